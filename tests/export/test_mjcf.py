@@ -35,46 +35,34 @@ bodies:
   arm: {mass: 1, centre: B, points: [A, C], inertia: [0.01, 0.02, 0.025], x: [1, 1, 0]}
   bob: {mass: 0.7, centre: D, points: [C], inertia: [0.004, 0.005, 0.006]}
   sleeve: {mass: 1, centre: F, points: [E], inertia: [0.01, 0.02, 0.025]}
-  plate: {mass: 0.5, centre: H, points: [G], inertia: [0.01, 0.012, 0.013]}
-  slotted: {mass: 0.5, centre: K, points: [I], inertia: [0.01, 0.012, 0.013]}
-  pinned: {mass: 0.5, centre: M, points: [L], inertia: [0.01, 0.012, 0.013]}
+  plate: {mass: 0.5, centre: H, points: [G, I], inertia: [0.01, 0.012, 0.013]}
+  slotted: {mass: 0.5, centre: L, points: [I, K], inertia: [0.01, 0.012, 0.013]}
+  pinned: {mass: 0.5, centre: M, points: [K], inertia: [0.01, 0.012, 0.013]}
   hung: {mass: 0.5, centre: N, inertia: [0.01, 0.012, 0.013]}
 joints:
-  uni:
-    {type: universal, parts: [arm, ground], at: A, axis: y, other: x, openings: [10 deg, 20 deg]}
+  turn: {type: revolute, parts: [arm, ground], at: A, axis: [0, 1, 1], opening: 10 deg}
   ball: {type: spherical, parts: [bob, arm], at: C}
-  tube:
-    {type: cylindrical, parts: [sleeve, ground], at: E, axis: [1, 0, 1], opening_turn: 5 deg,
-     opening_slide: 0.1}
-  table:
-    {type: planar, parts: [ground, plate], at: G, axis: y, x: [1, 0, 1], opening_x: 0.1,
-     opening_y: 0.2, opening_turn: 30 deg}
-  slot: {type: pin in slot, parts: [slotted, ground], at: I, axis: y, x: z, opening_slide: 0.1}
-  pin: {type: pin in slot, parts: [ground, pinned], at: L, axis: y, x: z, opening_turn: 20 deg}
+  tube: {type: prismatic, parts: [sleeve, ground], at: E, axis: [1, 0, 1], opening: 0.1}
+  lift: {type: prismatic, parts: [ground, plate], at: G, axis: [1, 0, 1], opening: -0.1}
+  lever: {type: revolute, parts: [plate, slotted], at: I, axis: y, opening: 20 deg}
+  plug: {type: fixed, parts: [pinned, slotted], at: K}
 actions:
-  a: {type: torsion spring, joint: uni_axis, stiffness: 3, rest: 20 deg}
-  b: {type: torsion spring, joint: uni_other, stiffness: 2, rest: -20 deg}
-  c: {type: damper, joint: uni_other, damping: 0.05}
-  d: {type: spring, joint: tube_slide, stiffness: 100, rest: 0.1}
-  e: {type: torsion spring, joint: tube_turn, stiffness: 5}
-  f: {type: spring, joint: table_x, stiffness: 50, rest: 0.1}
-  g: {type: spring, joint: table_y, stiffness: 60, rest: 0.3}
-  h: {type: torsion spring, joint: table_turn, stiffness: 2, rest: 0.3 rad}
-  i: {type: spring, joint: slot_slide, stiffness: 200, rest: 0.1}
-  j: {type: torsion spring, joint: slot_turn, stiffness: 4}
-  k: {type: spring, joint: pin_slide, stiffness: 200}
-  l: {type: torsion spring, joint: pin_turn, stiffness: 4}
-  motor: {type: torque motor, joint: uni_axis, torque: 0.5}
+  a: {type: torsion spring, joint: turn, stiffness: 3, rest: 20 deg}
+  b: {type: torsion spring, joint: turn, stiffness: 2, rest: -20 deg}
+  c: {type: damper, joint: turn, damping: 0.05}
+  d: {type: spring, joint: tube, stiffness: 100, rest: 0.1}
+  f: {type: spring, joint: lift, stiffness: 50, rest: 0.1}
+  h: {type: torsion spring, joint: lever, stiffness: 2, rest: 0.3 rad}
+  motor: {type: torque motor, joint: turn, torque: 0.5}
 struts:
   tie: {type: spring, between: [{part: ground, at: T}, D], stiffness: 40, rest: 0.7, damping: 0.2}
   push: {type: spring, between: [{part: ground, at: T}, F], stiffness: 30, rest: 1.5, acts: push}
 cables:
   rope: {through: [{part: ground, at: T}, {part: hung, at: N}], EA: 300, rest: 3}
 opening_rates:
-  uni: {joint: uni_axis, rate: 1 rad/s}
-  table: {joint: table_turn, rate: -2 rad/s}
-  slot: {joint: slot_turn, rate: 1 rad/s}
-  tube: {joint: tube_slide, rate: 0.5 m/s}
+  turn: {joint: turn, rate: 1 rad/s}
+  lever: {joint: lever, rate: -2 rad/s}
+  tube: {joint: tube, rate: 0.5 m/s}
 initial_velocities:
   hung: {part: hung, about: N, velocity: [0.1, 0.2, 3], spin: [3, 0.5, 1]}
   bob: {part: bob, about: D, velocity: [0.1, 0.2, 0], spin: [3, 0.5, 1]}
@@ -83,7 +71,7 @@ record:
   bob: {part: bob, at: D}
   sleeve: {part: sleeve, at: F}
   plate: {part: plate, at: H}
-  slotted: {part: slotted, at: K}
+  slotted: {part: slotted, at: L}
   pinned: {part: pinned, at: M}
   hung: {part: hung, at: N}
 """

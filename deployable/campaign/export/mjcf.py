@@ -1,9 +1,8 @@
 """A structure of rigid bodies as MJCF, for MuJoCo; what has no equivalent there is refused.
 
-Bodies hang on each other in a tree, by as many joints as there are; those left over close loops, by
-equalities. The frame of every body lies in its centre, along the global axes at the start."""
+Bodies hang on each other in a tree, each by one joint; joints left over close loops, by equalities.
+The frame of every body lies in its centre, along the global axes at the start."""
 
-from itertools import zip_longest
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -20,28 +19,31 @@ from fpm.structures.reading import commas
 
 EMPTY = """<mujoco><compiler angle="radian" autolimits="true"/>
 <option timestep="1e-4" integrator="RK4" tolerance="1e-14" iterations="200"/><default>
-<joint solreffriction="2e-4 1" solimpfriction="0.9999 0.9999 1e-3"/>
+<joint solreffriction="2e-4 1" solimpfriction="0.9999 0.9999 1e-3" solimplimit="1e-4 1e-4 1e-3"/>
 <equality solref="2e-3 1" solimp="0.9999 0.9999 1e-3"/></default>
 <worldbody/><equality/><tendon/><actuator/><keyframe/></mujoco>"""
-"""Loops and friction of MuJoCo are soft: by these numbers they differ little from exact ones."""
+"""Loops and friction of MuJoCo are soft: by these numbers they differ little from exact ones. Loads
+act on in a limit, as in a stop, by its least impedance."""
 
-IMPEDANCE = 1e-4  # of limits: the least, by which loads act on in a stop, as they do in ours
 CLOSING = {"fixed": ["weld"], "spherical": ["connect"], "revolute": ["connect", "connect"]}
 """Equalities that close a loop, by the type of the joint there."""
 
-TYPES = {"h": "hinge", "s": "slide", "b": "ball"}
 KINDS = [row[0] for row in ACTIONS.values()]
 CONDITIONS: dict = dict.fromkeys([*KINDS, e.Stop], lambda action: True) | {
     e.Gravity: lambda gravity: gravity.curve < 0,
     e.Damping: lambda damping: not damping.rate,
     e.Hinge: lambda hinge: hinge.type in JOINTS and not hinge.support,
-    e.Joint: lambda joint: joint.type in JOINTS,
+    e.Joint: lambda joint: joint.type in ("spherical", "fixed"),
     e.Friction: lambda friction: friction.is_exact,
     e.TorqueMotor: lambda motor: motor.curve < 0 and np.isinf(motor.no_load),
     e.Cable: lambda cable: not cable.has_friction and cable.drum < 0 and cable.curve < 0,
     e.Strut: lambda strut: len(strut.lengths) == 1 and not strut.forces[0],
 }
 """Kinds of element that have an equivalent, and when."""
+
+ALLOWED = """rigid bodies in revolute, prismatic, spherical and fixed joints, with springs, dampers,
+friction that sticks exactly, stops, constant torques, cables without pulleys that rub, drums or
+winches, and struts that are springs or dampers"""
 
 
 def write_mjcf(run: Any, folder: Path, frames: int) -> list[Path]:
@@ -54,11 +56,7 @@ def write_mjcf(run: Any, folder: Path, frames: int) -> list[Path]:
     is_held = np.any(scene.fixed, axis=1) & ~np.all(scene.fixed, axis=1)
     names += ["the body world, which has the name of the ground"] * ("world" in scene.bodies)
     names += [f"the support of {name}" for name, p in scene.bodies.items() if is_held[p]]
-    allowed = "rigid bodies in joints, with springs, dampers, friction that sticks exactly, stops, "
-    allowed += (
-        "constant torques, cables without pulleys that rub, drums or winches, and struts that are "
-    )
-    _refuse(names, f"{allowed}springs or dampers")
+    _refuse(names, " ".join(ALLOWED.split()))
     tree = Tree(scene, run.name)
     try:
         tree.add_start(load_mujoco())
@@ -77,20 +75,17 @@ def _refuse(names: list[str], allowed: str) -> None:
 
 def _title(scene: Any, element: Any) -> str:
     title = element.title(scene) if hasattr(element, "title") else ""
-    kind = {"Beams": "bar", "Hinge": "joint"}.get(type(element).__name__, type(element).__name__)
-    kind = "support" if getattr(element, "type", "") == "held" else kind
+    noun = {"Beams": "bar", "Hinge": "joint"}.get(type(element).__name__, type(element).__name__)
+    noun = "support" if getattr(element, "type", "") == "held" else noun
     curve = " that follows a curve" if getattr(element, "curve", -1) >= 0 else ""
-    return (title or f"{kind.lower()} {getattr(element, 'name', '')}".strip()) + curve
+    return (title or f"{noun.lower()} {getattr(element, 'name', '')}".strip()) + curve
 
 
 def _put(element: Any, **keys: Any) -> Any:
-    """Set attributes of an XML element, and return it: texts, or numbers, of which 15 digits are
-    written; a number 0 and an empty list are left out."""
+    """Set attributes of an XML element, and return it: texts, or numbers with 15 digits."""
     for key, value in keys.items():
-        if isinstance(value, str):
-            element.set(key, value)
-        elif np.size(value) and (np.ndim(value) or value):
-            element.set(key, " ".join(f"{x + 0.0:.15g}" for x in np.ravel(value)))
+        is_text = isinstance(value, str)
+        element.set(key, value if is_text else " ".join(f"{x + 0.0:.15g}" for x in np.ravel(value)))
     return element
 
 
@@ -114,6 +109,8 @@ class Tree:
         self.origins = np.vstack([places, np.zeros(3)])
         self._add_loops(self._add_bodies())
         self._add_tendons()
+        for name, beam in scene.points.items():
+            self._add_site(name, beam)
         for i, motor in enumerate(e.TorqueMotor.find(scene)):
             joint = scene.hinges[motor.hinge].name
             _add(self.root.find("actuator"), "motor", name=f"{joint}_motor{i or ''}", joint=joint)
@@ -128,19 +125,16 @@ class Tree:
         with stiffness and damping in the terms of the soft limits of MuJoCo, which has the inverse
         weights of joints."""
         scene, model = self.scene, mujoco.MjModel.from_xml_string(self.text())
-        stops: dict[str, list] = {}
-        for stop in e.Stop.find(scene):
-            stops.setdefault(scene.hinges[stop.hinge].name, []).append(stop)
-        for name, pair in stops.items():
-            values = {(stop.stiffness, stop.damping) for stop in pair}
-            if len(values) > 1 or len({stop.side for stop in pair}) < len(pair):
-                allowed = "one at each end, of one stiffness and damping"
-                _refuse([f"the stops of {name}"], allowed)
-            ends = {"below": -1e3, "above": 1e3} | {stop.side: stop.angle for stop in pair}
-            k, c = model.dof_invweight0[model.joint(name).dofadr[0]] * np.array(values.pop())
-            keys = {"solreflimit": [-k, -c], "range": [*ends.values()]}
-            keys["solimplimit"] = [IMPEDANCE, IMPEDANCE, 1e-3]
-            _put(self.root.find(f".//joint[@name='{name}']"), **keys)
+        for i, hinge in enumerate(scene.hinges):
+            if stops := [stop for stop in e.Stop.find(scene) if stop.hinge == i]:
+                (values, *others) = {(stop.stiffness, stop.damping) for stop in stops}
+                if others or len({stop.side for stop in stops}) < len(stops):
+                    allowed = "one at each end, of one stiffness and damping"
+                    _refuse([f"the stops of {hinge.name}"], allowed)
+                ends = {"below": -1e3, "above": 1e3} | {stop.side: stop.angle for stop in stops}
+                soft = -model.dof_invweight0[model.joint(hinge.name).dofadr[0]] * np.array(values)
+                joint = self.root.find(f".//joint[@name='{hinge.name}']")
+                _put(joint, range=[*ends.values()], solreflimit=soft)
         data, motion = mujoco.MjData(model), moving_at_start(scene)
         mujoco.mj_forward(model, data)
         jacobians = np.zeros((len(self.names), 2, 3, model.nv))
@@ -151,23 +145,23 @@ class Tree:
         torques = [motor.torque for motor in e.TorqueMotor.find(scene)]
         _add(self.root.find("keyframe"), "key", name="start", qvel=qvel, ctrl=torques)
 
-    def _end(self, beam: Any) -> np.ndarray:
-        """End (3,), m, of a rigid arm, from the origin of its particle."""
-        p = beam.particle
-        return self.scene.position[p] + self.scene.frame[p] @ beam.arm - self.origins[p]
+    def _end(self, beam: Any, p: int) -> np.ndarray:
+        """Return the end (3,), m, of a rigid arm from the origin of the frame of particle p."""
+        scene, own = self.scene, beam.particle
+        return scene.position[own] + scene.frame[own] @ beam.arm - self.origins[p]
 
     def _add_site(self, name: str, beam: Any) -> None:
-        _add(self.bodies[beam.particle], "site", name=name, pos=self._end(beam), size="0.005")
+        place = self._end(beam, beam.particle)
+        _add(self.bodies[beam.particle], "site", name=name, pos=place, size="0.005")
 
     def _add_bodies(self) -> list:
         """Add all bodies, each on one that is there already, by a joint on which something acts if
         there is one, or free. Returns the joints that are left over, which close loops."""
         scene = self.scene
-        acts = [x.hinge for kind in (*KINDS, e.Stop) for x in kind.find(scene)]
-        self.busy = {scene.hinges[hinge].joint for hinge in acts}
-        joints = [h for h in scene.hinges if not h.number] + list(scene.kinds.get(e.Joint, []))
-        self.busy |= {joint.joint for joint in joints if joint.type not in CLOSING}
-        joints.sort(key=lambda joint: joint.joint not in self.busy)
+        acts = {x.hinge for kind in (*KINDS, e.Stop) for x in kind.find(scene)}
+        joints = [*scene.hinges, *scene.kinds.get(e.Joint, [])]
+        closing = [x for i, x in enumerate(joints) if i not in acts and x.type in CLOSING]
+        joints.sort(key=lambda joint: joint in closing)
         while len(self.bodies) <= len(scene.mass):
             ready = (j for j in joints if sum(p in self.bodies for p in j.particles) == 1)
             if joint := next(ready, None):
@@ -175,57 +169,47 @@ class Tree:
                 sign = -1 if joint.particles[1] in self.bodies else 1
                 parent, child = joint.particles[::sign]
                 self._add_body(child, parent)
-                self._add_joints(joint, parent, child, sign)
+                self._add_joint(joint, child, sign)
             else:
                 p = next(p for p in range(len(scene.mass)) if p not in self.bodies)
-                self._add_body(p)
+                self._add_body(p, -1)
                 _add(self.bodies[p], "freejoint", name=f"{self.names[p]}_free")
-        for name, beam in scene.points.items():
-            self._add_site(name, beam)
+        names = [f"the loop of {joint.joint}" for joint in joints if joint not in closing]
+        _refuse(names, "loops with a revolute, spherical or fixed joint on which nothing acts")
         return joints
 
-    def _add_body(self, p: int, parent: int = -1) -> None:
+    def _add_body(self, p: int, parent: int) -> None:
         """Add the body of a particle to that of another; -1: to the world."""
         s, axes, place = self.scene, self.scene.frame[p].T[:2], self.scene.position[p]
         keys = {"name": self.names[p], "pos": place - self.origins[parent]}
         body = self.bodies[p] = _add(self.bodies[parent], "body", **keys)
         keys = {"mass": s.mass[p], "diaginertia": s.inertia[p], "xyaxes": axes}
         _add(body, "inertial", pos="0 0 0", **keys)
-        edges = np.sqrt(np.maximum(6 / s.mass[p] * (s.inertia[p].sum() - 2 * s.inertia[p]), 0))
-        size = np.maximum(edges, 0.01 * edges.max()) / 2  # of a box with this inertia, to be seen
-        _add(body, "geom", type="box", size=size, xyaxes=axes, contype="0", conaffinity="0")
 
-    def _add_joints(self, joint: Any, parent: int, child: int, sign: int) -> None:
-        """Add the elementary joints by which a body hangs on another. sign: -1 seen from the second
-        part, in the opposite order about opposite axes; else 1."""
-        s, beam = self.scene, joint.beams[1]
-        point = self._end(beam) + self.origins[beam.particle] - self.origins[child]
-        letters, _, suffixes, _ = JOINTS[joint.type]
-        for letter, suffix in [*zip_longest(letters, suffixes, fillvalue="")][::sign]:
-            keys: dict[str, Any] = {"name": joint.joint + suffix, "type": TYPES[letter]}
-            if letter != "b":
-                number = next(i for i, hinge in enumerate(s.hinges) if hinge.name == keys["name"])
-                hinge, moment = s.hinges[number], 0.0
-                turn = sign if hinge.particles == joint.particles else -sign  # universal's other
-                keys["axis"] = turn * s.frame[hinge.particles[0]] @ hinge.axes[0]
-                keys["ref"] = hinge.opening
-                for word, (kind, words, _) in [*ACTIONS.items()][:3]:
-                    actions = [x for x in kind.find(s) if x.hinge == number]
-                    keys[word] = sum(getattr(x, words.split(", ")[1]) for x in actions)
-                    moment += sum(x.stiffness * x.rest for x in actions if word == "stiffness")
-                keys["springref"] = moment / (keys["stiffness"] or 1.0)
-            _add(self.bodies[child], "joint", pos=point, **keys)
+    def _add_joint(self, joint: Any, child: int, sign: int) -> None:
+        """Add the joint by which a body hangs on another. sign: -1 if it is the first part."""
+        scene, keys = self.scene, {}
+        if joint.type not in JOINTS:  # fixed
+            return
+        if isinstance(joint, e.Hinge):
+            keys = {"axis": sign * scene.frame[joint.particles[0]] @ joint.axes[0]}
+            keys["ref"], moment = joint.opening, 0.0
+            for word, (kind, words, _) in [*ACTIONS.items()][:3]:
+                actions = [x for x in kind.find(scene) if scene.hinges[x.hinge] is joint]
+                keys[word] = sum(getattr(x, words.split(", ")[1]) for x in actions)
+                moment += sum(x.stiffness * x.rest for x in actions if word == "stiffness")
+            keys["springref"] = moment / (keys["stiffness"] or 1.0)
+        keys |= {"type": JOINTS[joint.type], "pos": self._end(joint.beams[1], child)}
+        _add(self.bodies[child], "joint", name=joint.joint, **keys)
 
     def _add_loops(self, joints: list) -> None:
-        """Add equalities for joints on which nothing acts."""
-        names = [f"the loop of {joint.joint}" for joint in joints if joint.joint in self.busy]
-        _refuse(names, "loops with a revolute, spherical or fixed joint on which nothing acts")
         scene, group = self.scene, self.root.find("equality")
         for joint in joints:
             first, second = (self.names.get(p, "world") for p in joint.particles)
             for i, tag in enumerate(CLOSING[joint.type]):
                 axis = scene.frame[joint.particles[0]] @ joint.axes[0]
-                anchor = self._end(joint.beams[0]) + 0.2 * i * np.ptp(scene.position) * axis
+                anchor = self._end(joint.beams[0], joint.particles[0])
+                anchor += 0.2 * i * np.ptp(scene.position) * axis
                 keys = {} if tag == "weld" else {"anchor": anchor}
                 _add(group, tag, name=joint.name + i * "_axis", body1=first, body2=second, **keys)
 

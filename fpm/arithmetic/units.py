@@ -140,7 +140,11 @@ def unit(text: str) -> Unit:
         if not match:
             word = re.sub(r"^\s*/?\s*([A-Za-z]*).*", r"\1", rest, flags=re.S) or rest.strip()
             parts = re.findall(_NAME, word) if re.fullmatch(f"(?:{_NAME})+", word) else []
-            hint = f" (did you mean {' '.join(parts)}?)" if parts else did_you_mean(word, NAMES)
+            # degF, mV and mi are units of other things, which no unit here replaces
+            is_other = re.fullmatch(rf"(?:{_NAME})[A-Z]\w*", word) or len(word) < 3
+            is_foreign = is_other and word.lower() not in map(str.lower, NAMES)
+            guess = "" if is_foreign else did_you_mean(word, NAMES)
+            hint = f" (did you mean {' '.join(parts)}?)" if parts else guess
             if parts[1:] and parts[0] == "m":  # `m J` would be metres times joules
                 hint = f" (m is the metre: write milli as 1e-3 {' '.join(parts[1:])})"
             raise UnitError(

@@ -159,7 +159,11 @@ def test_units_are_spelt_as_netcdf_has_them():
     assert {text: unit(text).udunits for text in spelt} == spelt
 
 
-@pytest.mark.parametrize(("text", "guess"), [("Nm", ""), ("mpa", "MPa"), ("degrees", "deg")])
-def test_unknown_units_are_refused(text, guess):
-    with pytest.raises(UnitError, match=rf"{text}.* is not a unit.*{guess}"):
+@pytest.mark.parametrize(("text", "guess"), [
+    ("Nm", "N m"), ("mpa", "MPa"), ("degrees", "deg"), ("KN", "kN"), ("degF", ""), ("mV", ""),
+    ("mi", ""), ("kΩ", ""),
+])  # fmt: skip
+def test_unknown_units_are_refused_and_no_unit_of_other_things_is_proposed(text, guess):
+    hint = rf" \(did you mean {guess}\?\)" if guess else ""
+    with pytest.raises(UnitError, match=rf"^'{text}' is not a unit{hint}; "):
         unit(text)

@@ -176,18 +176,18 @@ def _run(options: argparse.Namespace) -> int:
 
 
 def _compare(options: argparse.Namespace) -> int:
-    """Compare results: requirements, quantities and curves side by side."""
+    """Compare results side by side, in the units that the first campaign displays; JSON in SI."""
     from deployable.campaign.report.page import render_cases
     from deployable.campaign.results.compare import compare
     from deployable.campaign.results.figures import overlay
 
-    facts, curves = compare(options.folders)
-    for case, path in zip(facts["cases"], options.folders, strict=True):
-        case["folder"] = os.path.relpath(path, options.html.parent if options.html else ".")
+    (shown, curves), (facts, _) = (compare(options.folders, is_shown) for is_shown in (True, False))
+    for *rows, path in zip(shown["cases"], facts["cases"], options.folders, strict=True):
+        for row in rows:
+            row["folder"] = os.path.relpath(path, options.html.parent if options.html else ".")
     if options.html:
-        write_text(options.html, render_cases(facts, map(overlay, curves.values())))
-    text = "" if options.json else summary_text(facts, "cases.md.jinja")
-    print(text or json.dumps(facts, indent=2))
+        write_text(options.html, render_cases(shown, map(overlay, curves.values())))
+    print(json.dumps(facts, indent=2) if options.json else summary_text(shown, "cases.md.jinja"))
     return 0
 
 

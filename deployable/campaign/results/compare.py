@@ -2,16 +2,20 @@
 
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from os.path import abspath
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from deployable.campaign.config.models import Display
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import read_json
 from deployable.campaign.folder import Folder
+from deployable.campaign.plan.plan import read_plan
 from deployable.campaign.results.cases import facts_of_cases
+from deployable.campaign.results.display import shown_bounds, shown_facts
 from deployable.campaign.results.response_bounds import ResponseBounds, read_bounds
 from deployable.campaign.results.templates import sentence
 from deployable.campaign.text.numbers import quantity, spread
@@ -21,11 +25,17 @@ Curves = dict[str, dict[str, ResponseBounds]]
 """Bounds of responses by name, then by the label of their results."""
 
 
-def compare(paths: Sequence[str | Path]) -> tuple[dict[str, Any], Curves]:
+def compare(paths: Sequence[str | Path], is_shown: bool = False) -> tuple[dict[str, Any], Curves]:
     """Return the facts of several folders of results as plain data, with the curves of all
-    responses. Raises `CampaignError` for a folder without results."""
+    responses. is_shown: whether all are in the units of the first campaign's `display`, and not SI
+    units. Raises `CampaignError` for a folder without results."""
     folders = _folders(paths)
     summaries = {label: read_json(folder / "summary.json") for label, folder in folders.items()}
+    experiments = [read_plan(folder.plan).experiment for folder in folders.values()]
+    display = experiments[0].display if is_shown else Display()
+    for (label, facts), experiment in zip(summaries.items(), experiments, strict=True):
+        if display != Display():
+            summaries[label] = shown_facts(facts, replace(experiment, display=display))
     states = {label: _state(facts, folders[label]) for label, facts in summaries.items()}
     names = dict.fromkeys(name for state in states.values() for name in state)
     rows = [row for facts in summaries.values() for row in facts["fixed"] + facts["parameters"]]
@@ -39,7 +49,7 @@ def compare(paths: Sequence[str | Path]) -> tuple[dict[str, Any], Curves]:
     }  # fmt: skip
     curves: Curves = {}
     for label, folder in folders.items():
-        for response in read_bounds(folder).responses:
+        for response in shown_bounds(read_bounds(folder), display).responses:
             curves.setdefault(response.name, {})[label] = response
     facts = facts_of_cases(f"Comparison of {commas([*folders])}", folders, summaries, changes)
     return facts | {"curves": [_curve(rows, [*folders]) for rows in curves.values()]}, curves

@@ -3,6 +3,7 @@ units."""
 
 import re
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from typing import Any, NamedTuple, get_args, get_type_hints
 
@@ -14,6 +15,7 @@ from deployable.campaign.results.quantity_results import QuantityResults
 from deployable.campaign.results.response_bounds import CampaignBounds
 from deployable.campaign.text import name_response, words_of
 from fpm.arithmetic.units import unit
+from fpm.errors import SceneError
 
 _KINDS = {kind: get_args(names) for kind, names in get_type_hints(Display).items()}
 _PLACES = "at", "lower_at", "argmin", "argmax"  # keys of parameter values by name
@@ -65,12 +67,14 @@ class _Conversion(NamedTuple):
 def shown_facts(facts: Mapping[str, Any], experiment: Experiment) -> dict[str, Any]:
     """Return the content of `summary.json` in the units of the experiment's `display`."""
     display = experiment.display
-    words = {row.name: {"words": name_response(row)} for row in experiment.response_list}
-    for quantity in experiment.quantity_list:
-        texts = words_of(quantity, lambda units: shown_unit(units, display))
-        if quantity.kind in ("crossing", "settling"):  # whose long name has a number
-            texts["long_name"] = texts["words"].replace("`", "")
-        words[quantity.name] = texts
+    words: dict[str, dict] = {}
+    with suppress(SceneError):  # the structure's file has changed since: words stay as they are
+        words |= {row.name: {"words": name_response(row)} for row in experiment.response_list}
+        for quantity in experiment.quantity_list:
+            texts = words_of(quantity, lambda units: shown_unit(units, display))
+            if quantity.kind in ("crossing", "settling"):  # whose long name has a number
+                texts["long_name"] = texts["words"].replace("`", "")
+            words[quantity.name] = texts
     choice = facts.get("choice", {"parameters": ()})  # perhaps of a parameter that has no value
     rows = [*facts.get("fixed", ()), *facts["parameters"], *choice["parameters"]]
     scales = {row["name"]: shown_unit(row["units"], display)[0] for row in rows}

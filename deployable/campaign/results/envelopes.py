@@ -1,13 +1,16 @@
 """Bounds in Python that draw themselves: `bounds.plot()`."""
 
+import json
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
+from deployable.campaign.config.models import Display
 from deployable.campaign.errors import CampaignError
+from deployable.campaign.results.display import shown_bounds
 from deployable.campaign.results.figures import envelope
-from deployable.campaign.results.response_bounds import ResponseBounds
+from deployable.campaign.results.response_bounds import CampaignBounds, ResponseBounds
 from fpm.errors import did_you_mean
 
 
@@ -17,16 +20,18 @@ class Envelopes(xr.Dataset):
     __slots__ = ()
 
     def plot(self, *names: str) -> Any:  # type: ignore[override]
-        """Draw bounds over time as a matplotlib figure, which notebooks show; names: of the
-        responses, none: all. Raises CampaignError for another name, and for bounds at one
-        instant."""
+        """Draw bounds over time as a matplotlib figure, which notebooks show, in the units of the
+        config's `display`; names: of the responses, none: all. Raises CampaignError for another
+        name, and for bounds at one instant."""
         if "time" not in self.dims:
             raise CampaignError("there is no curve at one instant; allowed: bounds at several")
         responses = [str(name) for name in np.atleast_1d(self["response"].values)]
         for name in {*names} - {*responses}:
             text = f"{name!r} is no response{did_you_mean(name, responses)}"
             raise CampaignError(f"{text}; allowed: {', '.join(responses)}")
-        return envelope([self._read(name) for name in names or responses], 0.1)
+        rows = tuple(self._read(name) for name in names or responses)
+        display = Display(**json.loads(self.attrs.get("display", "{}")))
+        return envelope(shown_bounds(CampaignBounds(rows, [], {}), display).responses, 0.1)
 
     def _read(self, name: str) -> ResponseBounds:
         data = self.sel(response=name) if "response" in self.dims else self

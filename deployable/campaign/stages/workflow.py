@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import json
 import os
 import sys
 import threading
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -210,16 +212,17 @@ def run(
     with threadpool_limits(limits=1, user_api="blas"):
         campaign = config if isinstance(config, Campaign) else check_config(config)
         workflow = complete(campaign, results, figures, notify)
-    bounds = {name: _load(case.folder.bounds) for name, case in workflow.cases.items()}
-    return bounds or _load(workflow.folder.bounds)
+    bounds = {name: _load(case) for name, case in workflow.cases.items()}
+    return bounds or _load(workflow)
 
 
-def _load(path: Path) -> Any:
+def _load(workflow: Workflow) -> Any:
     from deployable.campaign.results.envelopes import Envelopes  # draws, unlike the stages
 
-    with open_dataset(path) as data:
+    with open_dataset(workflow.folder.bounds) as data:
         data.load()
-    return Envelopes(data.data_vars, data.coords, data.attrs)
+    display = json.dumps(asdict(workflow.campaign.experiment.display))
+    return Envelopes(data.data_vars, data.coords, data.attrs | {"display": display})
 
 
 def complete(

@@ -53,7 +53,8 @@ def check_choice(key: str, value: object, choices: Iterable[str], addition: str 
     if isinstance(value, int | str) and fold_name(str(value)) in names:
         return fold_name(str(value))
     if not isinstance(value, str) or value not in names:
-        hint = did_you_mean(value, names) if isinstance(value, str) else ""
+        quotes = ' (write a name such as "1e3" or "no" in quotes)'
+        hint = did_you_mean(value, names) if isinstance(value, str) else quotes
         allowed = f"one of {', '.join(names) or '(there is none)'}{addition}{hint}"
         raise SceneError(key, value, allowed)
     return value

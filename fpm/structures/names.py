@@ -158,16 +158,17 @@ class Names:
         ..."""
         is_reserved = name in (*NEIGHBOURS, "first", "last", "ground")
         plain, first = unicodedata.normalize("NFKC", name), r"[^\W\d_]" * (group == "let")
+        sound = re.sub(r"\W", "_", plain).lstrip("_") + "_" * is_reserved
+        sound = f"n{sound}" if first and not sound[:1].isalpha() else sound
         if not re.fullmatch(rf"{first}\w*", name) or is_reserved or name[:1] == "_":
             start = " after a letter" if first else ""
+            start += f", such as {sound}" if sound else ""
             hint = f"letters, digits and _{start}; not ground, next, previous, first, last"
         elif group == "let" and is_unit(name):
             hint = f"a name that is no unit, such as {name}_"
         elif group in ("let", "points", "repeat") and (name in RESERVED_NAMES or iskeyword(name)):
             hint = f"a name that is no function and no word of Python's, such as {name}_"
         elif plain != name:
-            sound = re.sub(r"\W", "_", plain)
-            sound = f"n{sound}" if first and not sound[:1].isalpha() else sound
             hint = f"plain letters and digits, such as {sound}"
         else:
             return True

@@ -21,10 +21,11 @@ def pair(tmp_path_factory):
     raws = [panel(campaign="weak", requirements=early),
             panel(campaign="strong", intervals=strong, requirements=early)]  # fmt: skip
     raws[1]["design"]["order"], raws[1]["solver"]["instants"] = 4, 801
-    raws[1]["responses"]["speed"] = {"opening_rate": "hinge"}
+    raws[1]["responses"]["1"] = {"opening_rate": "hinge"}
     for raw, level in zip(raws, (9.0, 0.1), strict=True):  # one name, two limits
         raw["requirements"] = early | {"far": {"wide": {"at_least": level}}}
     raws[1]["verify"] = {"max_iterations": 5}
+    raws[0]["display"] = {"angle": "deg"}
     return [str(run(raw, results).path) for raw in raws]
 
 
@@ -35,10 +36,10 @@ def test_requirements_quantities_and_curves_stand_side_by_side(pair, capsys, tmp
     assert [case["name"] for case in facts["cases"]] == ["weak", "strong"]
     assert [case["changes"] for case in facts["cases"]] == [
         "k 0.1 N m/rad, ± 5 %; solver.instants 401; design.order 3; verify.max_iterations 6; "
-        "requirements.far final opening of the `hinge` is at least 9 rad; no responses.speed",
+        "requirements.far final opening of the `hinge` is at least 9 rad; no responses.1",
         "k 0.2 N m/rad, ± 5 %; solver.instants 801; design.order 4; verify.max_iterations 5; "
         "requirements.far final opening of the `hinge` is at least 0.1 rad; "
-        "responses.speed opening_rate: hinge"]  # fmt: skip
+        "responses.1 opening_rate: hinge"]  # fmt: skip
     (t_open,) = [row for row in facts["quantities"] if row["name"] == "t_open"]
     for row, k in zip(t_open["by_case"], (0.1, 0.2), strict=True):
         expected = [exact_time(1.05 * k), exact_time(0.95 * k)]
@@ -50,7 +51,7 @@ def test_requirements_quantities_and_curves_stand_side_by_side(pair, capsys, tmp
     assert [(x["level"], x["met"], x["cases"]) for x in far["limits"]] == [
         (9.0, "none", ["weak"]), (0.1, "all", ["strong"])]  # fmt: skip
     curve, only = facts["curves"]
-    assert only["name"] == "speed" and [bool(row) for row in only["by_case"]] == [False, True]
+    assert only["name"] == "1" and [bool(row) for row in only["by_case"]] == [False, True]
     files = [xarray.load_dataset(f"{folder}/bounds.nc") for folder in pair]
     bounds = [file.sel(response="psi") for file in files]
     for end in ("lower", "upper"):
@@ -64,8 +65,11 @@ def test_requirements_quantities_and_curves_stand_side_by_side(pair, capsys, tmp
     assert main(["compare", *pair]) == 0
     text = capsys.readouterr().out
     assert text.startswith("# Comparison of weak, strong\n") and "## Curves by case" in text
-    assert "- `speed`: " in text and "\n  - weak: –\n" in text and "\\`" not in text
+    assert "- `1`: " in text and "\n  - weak: –\n" in text and "\\`" not in text
     assert "No: 1 of 2 cases (“weak”) does not meet all requirements." in text
+    assert f"{np.degrees(curve['by_case'][1]['width']):.3g} deg apart" in text
+    assert " rad" not in text.replace("N m/rad", "") and main(["compare", *pair[::-1]]) == 0
+    assert " deg" not in capsys.readouterr().out  # the first has no units of its own
 
 
 @pytest.mark.parametrize(("duration", "instants"), [(0.5, 9), (0.4 / np.sqrt(2), None)])

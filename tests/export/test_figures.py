@@ -177,6 +177,8 @@ def test_bounds_in_python_draw_themselves_whole_or_selected(results):
     ):  # fmt: skip
         drawn = [line.get_ydata() for line in figure.axes[0].get_lines()]
         assert any(np.array_equal(y, upper[:count]) for y in drawn)
+    figure = bounds.assign_attrs(display='{"length": "mm"}').plot("x")
+    assert any(np.allclose(x.get_ydata(), 1000 * upper) for x in figure.axes[0].get_lines())
     for one in (bounds, early):
         with pytest.raises(
             CampaignError, match=r"'X' is no response \(did you mean x\?\); all.*: x"

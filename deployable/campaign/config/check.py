@@ -120,9 +120,7 @@ def check_config(raw: Mapping | str | Path, source: str = "the config") -> Campa
             campaign, scene_problems = resolve(config, user_config)
             problems += scene_problems
         else:
-            allowed = (
-                "a mapping from at least one name (letters, digits, `_`, starting with a letter)"
-            )
+            allowed = "a mapping from at least one name (letters, digits, `_`)"
             problems.append(f"responses: {{}} is not allowed; allowed: {allowed} to definitions")
     problems = [units.misfits.get(problem.partition(":")[0], problem) for problem in problems]
     problems = [*dict.fromkeys([*problems, *units.misfits.values()])]

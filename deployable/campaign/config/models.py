@@ -384,9 +384,9 @@ class UnknownSensor:
 
     delay: Times = (0.0, 0.0)
     """Least and largest delay of the file's times after the structure's."""
-    offset: Annotated[dict[Name, _Size], _ByResponse] = field(default_factory=dict)
+    offset: Annotated[dict[FreeName, _Size], _ByResponse] = field(default_factory=dict)
     """Half width about 0 of the sensor's offset, in the response's unit, by response."""
-    gain: Annotated[dict[Name, Annotated[float, Rule(above=0, unit="1")]], _ByResponse] = field(
+    gain: Annotated[dict[FreeName, Annotated[float, Rule(above=0, unit="1")]], _ByResponse] = field(
         default_factory=dict
     )
     """Half width about 1 of the factor on the response, by response."""
@@ -405,13 +405,13 @@ class MeasuredTest:
     """A CSV file, with its path from the folder of the config. Names with units, such as `t
     [s],angle [rad]`, stand above rows of numbers; one column is the time."""
     columns: Annotated[
-        dict[str, Name], Rule("a mapping from names of columns to names of responses", least=1)
+        dict[str, FreeName], Rule("a mapping from names of columns to names of responses", least=1)
     ]
     """The response that each column measures. A column may have any unit that fits."""
-    band: Annotated[dict[Name, _Size], _ByResponse] = field(default_factory=dict)
+    band: Annotated[dict[FreeName, _Size], _ByResponse] = field(default_factory=dict)
     """Largest error of the sensor besides `unknown`, in the response's unit, by response. Instead,
     the file may have a column `<column>_band`."""
-    model: Annotated[dict[Name, _Size], _ByResponse] = field(default_factory=dict)
+    model: Annotated[dict[FreeName, _Size], _ByResponse] = field(default_factory=dict)
     """Largest error of the model, which is added to the band."""
     unknown: UnknownSensor = UnknownSensor()
     start: Annotated[
@@ -464,12 +464,12 @@ class Config:
     """Extra runs that are kept out of the fit, to estimate its error. `sobol` does not use them."""
     responses: Annotated[
         dict[
-            Name,
+            FreeName,
             Annotated[dict[str, Any], _definition(
                 "response", "`{distance: [B, D]}` or `{velocity: B, component: z}`",
                 at="1", **_OF_MARGINS)],
         ],
-        Rule("a mapping from at least one name (letters, digits, `_`, starting with a letter) to "
+        Rule("a mapping from at least one name (letters, digits, `_`) to "
             "definitions"),
     ]  # fmt: skip
     """The curves to bound, by names of your own: distances, positions, velocities, openings,

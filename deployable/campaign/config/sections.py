@@ -29,6 +29,7 @@ from deployable.campaign.config.models import (
     Display,
     ErrorDisplay,
     FigureChoice,
+    FreeName,
     Jobs,
     MeasuredTest,
     Name,
@@ -54,8 +55,10 @@ ADAPTIVE, OWN_RUNS = "adaptive", "own"
 """Methods of designs that no config names: of runs that an `accuracy` finds round by round, and of
 a user's own runs."""
 
-NAME, CAMPAIGN_NAME = (re.compile(get_args(kind)[1].pattern) for kind in (Name, CampaignName))
-"""Patterns of the names of responses, quantities and requirements, and of campaigns."""
+NAME, FREE_NAME, CAMPAIGN_NAME = (
+    re.compile(get_args(kind)[1].pattern) for kind in (Name, FreeName, CampaignName)
+)
+"""Patterns of the names of quantities, of responses and requirements, and of campaigns."""
 
 _GOAL = re.compile(r"(\w+)\((\w+)\)")
 
@@ -160,8 +163,8 @@ class Experiment:
         from anybody: names, after which files are called, are checked. Raises `HeldConfigError`."""
         try:
             experiment = from_data(cls, json.loads(config) if isinstance(config, str) else config)
-            names = [*experiment.responses, *experiment.quantities]
-            is_named: Any = all(map(NAME.fullmatch, names))
+            is_named: Any = all(map(FREE_NAME.fullmatch, experiment.responses))
+            is_named = is_named and all(map(NAME.fullmatch, experiment.quantities))
             is_named = is_named and CAMPAIGN_NAME.fullmatch(experiment.name)
             is_named = is_named and all(map(str.isidentifier, experiment.intervals))
             if not is_named or "\0" in experiment.scene.name + experiment.scene.file:

@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from deployable.campaign.config.sections import NAME
+from deployable.campaign.config.sections import FREE_NAME, NAME
 from deployable.campaign.errors import CampaignError, HeldConfigError
 from deployable.campaign.folder import Folder
 from deployable.campaign.provenance import stamp
@@ -35,7 +35,7 @@ FAILURE_VARIABLES = ("failed_id", "failed_normalized", "failed_value", "failed_t
 
 RUN_ID = re.compile("[0-9a-f]{16}")  # pattern of the names of runs, after which files are called
 
-_PATTERNS = {"run_id": RUN_ID, "response": NAME, "quantity": NAME, "parameter": NAME}
+_PATTERNS = {"run_id": RUN_ID, "response": FREE_NAME, "quantity": NAME, "parameter": NAME}
 """Patterns of names, by the variable that has them."""
 
 

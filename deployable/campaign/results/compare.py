@@ -85,7 +85,7 @@ def _state(facts: Mapping[str, Any], folder: Folder) -> dict[str, str]:
     plan = read_json(folder.plan)
     sections = plan["config"] | facts.get("config", {})
     for section, keys in sections.items():
-        is_said = section in ("name", "scene", "intervals")  # above
+        is_said = section in ("name", "scene", "intervals", "display")  # above, or of no run
         for key, value in (keys if isinstance(keys, dict) else {"": keys}).items():
             if not is_said and key != "duration" and value not in (None, "", [], {}):
                 is_file = key == "digest"  # stands beside the file's name

@@ -70,7 +70,7 @@ def test_values_of_a_list_are_not_counted_as_its_length():
     ("campaign", ("intervals",), {}),
     ("campaign", ("intervals", "k", "relative"), -0.1),
     ("campaign", ("choose",), {"parameters": {"k": [1]}}),
-    ("campaign", ("responses", "1st"), {"opening": "A"}),
+    ("campaign", ("quantities", "1st"), {"final": "psi"}),
     ("campaign", ("responses", "psi"), {"opening": "A", "component": "x"}),
     ("campaign", ("margins", "root"), {"along": "A", "to": "90 deg"}),
     ("structure", ("actions", "damper"), {"type": "damper", "joint": "root"}),

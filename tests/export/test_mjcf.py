@@ -247,10 +247,3 @@ def test_the_command_writes_the_nominal_run_of_a_campaign(tmp_path, capsys):
     assert main(command) == 0
     assert capsys.readouterr().out == f"{tmp_path / 'opens.xml'}\n"
     assert mujoco.MjModel.from_xml_path(str(tmp_path / "opens.xml")).jnt_stiffness == [3.0]
-
-
-def test_without_mujoco_the_message_names_the_extra(tmp_path, monkeypatch):
-    (tmp_path / "flap.yaml").write_text(FLAP)
-    monkeypatch.setitem(__import__("sys").modules, "mujoco", None)
-    with pytest.raises(CampaignError, match=r"pip install 'deployable-intervals\[mjcf\]'"):
-        export(choose(str(tmp_path / "flap.yaml")), "mjcf", tmp_path)

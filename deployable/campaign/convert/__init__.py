@@ -160,12 +160,8 @@ class Draft:
         opening, unit = self.openings[joint]
         type_, key, value_unit = ACTIONS[word][2 if unit == "m" else 1].split(", ")
         name = f"{owner}_{'friction' if word == 'frictionloss' else key}"
-        keys |= {
-            "type": type_,
-            "joint": opening,
-            key: self.parameter(name, value, value_unit, owner),
-        }
-        self.add("actions", f"{owner}_{type_.split()[-1]}", **keys)
+        keys |= {"type": type_, key: self.parameter(name, value, value_unit, owner)}
+        self.add("actions", f"{owner}_{type_.split()[-1]}", joint=opening, **keys)
 
     def point(self, text: str, place: np.ndarray, parts: Any) -> str:
         """Add a point (3,), m, of some parts, and return its name."""

@@ -288,7 +288,7 @@ def test_a_loop_that_is_open_at_the_start_is_closed_before_the_run(made):
     second += '<site name="tip" pos="-0.19 0.05 0.12"/></body></worldbody><equality><connect name='
     second += '"loop" site1="end" site2="tip"/></equality>'
     notes, structure, _ = made(model('<joint name="a" axis="0 1 0"/>', second))
-    assert "equality loop is open at the start; it is closed before a run" in notes
+    assert "equality loop is open at the start, and closed before a run" in notes
     (outcome,) = fpm.simulate([structure.build()], duration=0.1, instants=11, step=1e-3)
     gap = outcome.points["end"][0] - outcome.points["tip"][0]
     assert np.abs(gap).max() < 1e-6

@@ -181,13 +181,16 @@ def _compare(options: argparse.Namespace) -> int:
     from deployable.campaign.results.compare import compare
     from deployable.campaign.results.figures import overlay
 
-    (shown, curves), (facts, _) = (compare(options.folders, is_shown) for is_shown in (True, False))
-    for *rows, path in zip(shown["cases"], facts["cases"], options.folders, strict=True):
+    (facts, _), (page_facts, curves) = (
+        compare(options.folders, is_shown) for is_shown in (False, True)
+    )
+    for *rows, path in zip(page_facts["cases"], facts["cases"], options.folders, strict=True):
         for row in rows:
             row["folder"] = os.path.relpath(path, options.html.parent if options.html else ".")
     if options.html:
-        write_text(options.html, render_cases(shown, map(overlay, curves.values())))
-    print(json.dumps(facts, indent=2) if options.json else summary_text(shown, "cases.md.jinja"))
+        write_text(options.html, render_cases(page_facts, map(overlay, curves.values())))
+    text = "" if options.json else summary_text(page_facts, "cases.md.jinja")
+    print(text or json.dumps(facts, indent=2))
     return 0
 
 

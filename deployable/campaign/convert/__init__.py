@@ -37,7 +37,7 @@ SKIPPED = """asset axis child collision color compiler connect contact equality 
 inertial keyframe material mesh origin parent site size statistic visual weld"""
 INNER = "actuator custom default deformable extension frame link mujoco sensor tendon worldbody"
 SOLVER = "|class|name|group|user|sol.*"
-TAKEN = dict.fromkeys(INNER.split(), ".*") | {
+EQUIVALENTS = dict.fromkeys(INNER.split(), ".*") | {
     "body": f"childclass|pos|quat|mocap{SOLVER}",
     "dynamics": "damping|friction",
     "general": f"joint.*|site|tendon|body|c.*|gear|input|(gain|bias|dyn)(prm|type){SOLVER}",
@@ -96,20 +96,20 @@ class Draft:
             allowed = ", ".join(keys) or "none, as the model has no keyframe"
             raise CampaignError(f"--keyframe {keyframe} is not in {path}; allowed: {allowed}")
         bits = mj.mjtDisableBit.__members__.items()
-        off = {name[7:].lower() for name, bit in bits if m.opt.disableflags & bit}  # mjDSBL_
-        if bad := " ".join(f'{flag}="disable"' for flag in sorted(off & {*FLAGS.split()})):
-            raise CampaignError(f"{path} has <flag {bad}/>; remove it, and what it disables")
+        flags = {name[7:].lower() for name, bit in bits if m.opt.disableflags & bit}  # mjDSBL_
+        if words := " ".join(f'{flag}="disable"' for flag in sorted(flags & {*FLAGS.split()})):
+            raise CampaignError(f"{path} has <flag {words}/>; remove it, and what it disables")
         for key in sorted({*keys} - {keyframe}):
             self.leave_out(f"keyframe {key}", f"the structure starts there by --keyframe {key}")
         contacts = np.any(m.geom_contype[:, None] & m.geom_conaffinity) or m.npair
-        if contacts and "contact" not in off:
+        if contacts and "contact" not in flags:
             self.leave_out("contact of geoms", "bodies pass through each other")
         self.d = mj.MjData(m)
         if keyframe:
             mj.mj_resetDataKeyframe(m, self.d, keys.index(keyframe))
         mj.mj_forward(m, self.d)
         self.table: dict[str, Any] = {group: {} for group in GROUPS.split()}
-        if "gravity" not in off and m.opt.gravity.any():
+        if "gravity" not in flags and m.opt.gravity.any():
             self.table["gravity"] = digits(m.opt.gravity)
         self.parts = ["ground"] * m.nbody
         self.openings: dict[int, tuple[str, str]] = {}
@@ -177,12 +177,12 @@ class Draft:
         for body in range(1, m.nbody):
             groups[m.body_weldid[body]].append(body)
         for part, bodies in groups.items():
-            first, *others = (self.name_of("body", body) for body in bodies)
+            names = [self.name_of("body", body) for body in bodies]
             if part == 0 or m.body_mocapid[part] >= 0:
-                self.notes += [f"body {name} is fixed to the ground" for name in (first, *others)]
+                self.notes += [f"body {name} is fixed to the ground" for name in names]
             else:
-                self.notes += [f"body {name} is held rigidly on {first}" for name in others]
-                self._add_body(first, bodies)
+                self.notes += [f"body {name} is held rigidly on {names[0]}" for name in names[1:]]
+                self._add_body(names[0], bodies)
         for i in range(m.nsite):
             part, name = self.parts[m.site_bodyid[i]], self.name_of("site", i)
             self.sites.append({"part": part, "at": self.point(name, self.d.site_xpos[i], [part])})
@@ -214,15 +214,15 @@ class Draft:
     def add_joints(self) -> None:
         """Add joints of the tree with what acts on them. CampaignError if a body has several."""
         m, d = self.m, self.d
-        if several := [self.name_of("body", i) for i in np.flatnonzero(m.body_jntnum > 1)]:
+        if names := [self.name_of("body", i) for i in np.flatnonzero(m.body_jntnum > 1)]:
             allowed = "one for each body; put a light body with mass and inertia between two joints"
-            raise CampaignError(f"several joints of body {', '.join(several)}; allowed: {allowed}")
+            raise CampaignError(f"several joints of body {', '.join(names)}; allowed: {allowed}")
         for i in range(m.njnt):
             joint, body, name = m.joint(i), m.jnt_bodyid[i], self.name_of("joint", i)
             parts, type_ = [self.parts[m.body_parentid[body]], self.parts[body]], joint.type[0]
             if type_ > 0:
-                at, text = self.point(name, d.xanchor[i], parts), [*JOINTS][type_ - 1]
-                name = self.add("joints", name, type=text, parts=parts, at=at)
+                point, text = self.point(name, d.xanchor[i], parts), [*JOINTS][type_ - 1]
+                name = self.add("joints", name, type=text, parts=parts, at=point)
             if type_ > 1:
                 self.openings[i] = name, (unit := "m" if type_ == 2 else "rad")
                 place = with_unit(d.qpos[joint.qposadr[0]], unit)
@@ -276,11 +276,9 @@ class Draft:
                 places = d.xpos[bodies] + (d.xmat[bodies].reshape(2, 3, 3) @ arms)[:, :, 0]
             first, second = parts = [self.parts[body] for body in bodies]
             if first == second:
-                self.leave_out(
-                    f"equality {name}", "its bodies are one part, or fixed to the ground"
-                )
+                self.leave_out(f"equality {name}", "its bodies are one part, or both the ground")
                 continue
-            is_open, pair = gaps.max() >= OPEN * self.size, frozenset(parts)
+            is_open, pair = gaps.max(initial=0.0) >= OPEN * self.size, frozenset(parts)
             joint, place = connects.pop(pair, ("", places[0]))
             length = np.linalg.norm(line := places[0] - place)
             if is_connect and not is_open and length > 1e-4 * self.size:
@@ -289,15 +287,13 @@ class Draft:
                 continue
             if is_open:
                 ends = zip(parts, places, strict=True)
-                at: Any = {part: self.point(f"{name}_{part}", x, [part]) for part, x in ends}
+                point: Any = {part: self.point(f"{name}_{part}", x, [part]) for part, x in ends}
                 self.table["assemble"] = "true"
-                self.notes.append(
-                    f"equality {name} is open at the start; it is closed before a run"
-                )
+                self.notes.append(f"equality {name} is open at the start, and closed before a run")
             else:
-                at = self.point(name, places[0], parts)
+                point = self.point(name, places[0], parts)
             type_ = "fixed" if is_weld and m.eq_data[i, 10] else "spherical"  # torquescale
-            joint = self.add("joints", name, type=type_, parts=parts, at=at)
+            joint = self.add("joints", name, type=type_, parts=parts, at=point)
             if is_connect and not is_open:
                 connects[pair] = joint, places[0]
 
@@ -358,15 +354,15 @@ class Draft:
             self.notes.append(f"actuator {name} has the control {control:g} all the time")
 
     def note_others(self, parent: ElementTree.Element) -> None:
-        """Note what is in an element of the model and not in the table of what is `TAKEN`."""
+        """Note what is in an element of the model and not in the table of what is `EQUIVALENTS`."""
         for element in (child for child in parent if child.tag not in SKIPPED.split()):
             name = f"{element.tag} {element.get('name') or parent.get('name', '')}".strip()
-            if element.tag not in TAKEN:
+            if element.tag not in EQUIVALENTS:
                 self.leave_out(name)
                 continue
             for key, text in element.attrib.items():
                 is_poly = key in ("stiffness", "damping") and any(map(float, text.split()[1:]))
-                if is_poly or not re.fullmatch(TAKEN[element.tag], key):
+                if is_poly or not re.fullmatch(EQUIVALENTS[element.tag], key):
                     self.leave_out(f"{key} of {name}")
             self.note_others(element)
 

@@ -127,12 +127,14 @@ class Tree:
         scene, model = self.scene, mujoco.MjModel.from_xml_string(self.text())
         for i, hinge in enumerate(scene.hinges):
             if stops := [stop for stop in e.Stop.find(scene) if stop.hinge == i]:
-                (values, *others) = {(stop.stiffness, stop.damping) for stop in stops}
-                if others or len({stop.side for stop in stops}) < len(stops):
+                values = {(stop.stiffness, stop.damping) for stop in stops}
+                if len(values) > 1 or len({stop.side for stop in stops}) < len(stops):
                     allowed = "one at each end, of one stiffness and damping"
                     _refuse([f"the stops of {hinge.name}"], allowed)
                 ends = {"below": -1e3, "above": 1e3} | {stop.side: stop.angle for stop in stops}
-                soft = -model.dof_invweight0[model.joint(hinge.name).dofadr[0]] * np.array(values)
+                soft = -model.dof_invweight0[model.joint(hinge.name).dofadr[0]] * np.array(
+                    values.pop()
+                )
                 joint = self.root.find(f".//joint[@name='{hinge.name}']")
                 _put(joint, range=[*ends.values()], solreflimit=soft)
         data, motion = mujoco.MjData(model), moving_at_start(scene)
@@ -147,8 +149,8 @@ class Tree:
 
     def _end(self, beam: Any, p: int) -> np.ndarray:
         """Return the end (3,), m, of a rigid arm from the origin of the frame of particle p."""
-        scene, own = self.scene, beam.particle
-        return scene.position[own] + scene.frame[own] @ beam.arm - self.origins[p]
+        scene, particle = self.scene, beam.particle
+        return scene.position[particle] + scene.frame[particle] @ beam.arm - self.origins[p]
 
     def _add_site(self, name: str, beam: Any) -> None:
         place = self._end(beam, beam.particle)

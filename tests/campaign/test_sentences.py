@@ -51,10 +51,11 @@ LIMIT = {
     "quantity": "t_open", "units": "s", "words": TIME["words"], "event": TIME["event"],
     "kind": "at_most", "level": 9.0, "margin": 0.8, "error": 0.1, "kept": True, "at": {"k": 0.4},
     "ran": True, "simulated": 8.2, "requirement": "in_time", "met": "some", "share": 0.9,
-    "share_uncertainty": 0.01, "runs": 125, "halved": {"k": 0.95, "c": None},
+    "fit_error": 0.2, "share_uncertainty": 0.01, "runs": 125, "halved": {"k": 0.95, "c": None},
 }  # fmt: skip
 HAPPENS = LIMIT | {"kind": "happens", "level": True, "margin": None, "kept": False}
 SOFT = LIMIT | {"quantity": "v", "units": "m s-1", "words": SPEED["words"], "level": 0.8}
+ABSENT = SOFT | {"margin": None}
 PART = {"name": "in_time", "met": "some", "share": 0.9, "share_uncertainty": 0.01, "runs": 125}
 HALF = {"share": 0.99, "share_uncertainty": 0.001, "gain": 0.09, "gain_uncertainty": 0.002}
 TOGETHER = PART | {
@@ -64,7 +65,7 @@ TOGETHER = PART | {
 CHOICE = {
     "parameters": [{"name": "k", "units": "N m rad-1", "lower": 0.3, "upper": 0.8, "value": 0.5,
                     "decides": True, "safe": None, "safest": None}],
-    "kept": True, "safe": True, "limits": [LIMIT],
+    "kept": True, "safe": True, "limits": [LIMIT], "tried": [],
     "goals": [SPEED | {"sense": "minimise", "end": "upper", "value": 0.67, "error": 0.03,
                        "at": {"k": 0.5}, "ran": True, "simulated": 0.66}],
 }  # fmt: skip
@@ -149,7 +150,18 @@ CASES = {
         ("headline", together(met="none", share=0.0, share_uncertainty=0.0)),
         ("headline", together(met="none", share=0.0, share_uncertainty=0.1)),
         ("headline", together(met="some", share=0.0, share_uncertainty=1.0)),
-        ("headline", facts(requirements=[PART | {"limits": [HAPPENS]}])),
+        ("headline", facts(requirements=[
+            PART | {"limits": [HAPPENS]}, PART | {"name": "gentle", "limits": [ABSENT]},
+            PART | {"limits": [LIMIT | {"margin": None, "kept": False}]},
+            PART | {"met": "none", "limits": [LIMIT | {"margin": -0.5}]},
+        ])),
+        ("headline", facts(requirements=[PART | {"met": "undecided", "limits": [LIMIT]}])),
+        ("headline", facts(requirements=[
+            PART | {"name": name, "limits": [ABSENT]} for name in ("soft", "gentle")
+        ])),
+        ("headline", facts(together={"share": 0.995, "share_uncertainty": 0.02}, requirements=[
+            PART | {"name": name, "met": "undecided", "limits": [LIMIT]} for name in "ab"
+        ])),
         ("headline", facts(review={"rows": ROWS})),
         ("headline", FREE),
         ("headline", rows()),
@@ -239,8 +251,10 @@ CASES = {
         ("choice", chosen()),
         ("choice", chosen(safe=False)),
         *(("choice", chosen(
-            limits=[LIMIT | {"error": 0.7}], goals=CHOICE["goals"] * 2,
-            tried=[{"values": [k], "goals": [0.6, 0.7], "kept": kept} for k in (0.4, 0.5, 0.6)],
+            limits=[LIMIT | {"error": 0.7}], goals=CHOICE["goals"] * 2, tried=[
+                {"values": [k], "goals": [0.6, 0.7], "margins": [k], "kept": kept}
+                for k in (0.4, 0.5, 0.6)
+            ],
         )) for kept in (True, False)),
         ("choice", chosen({"requirements": [PART | {"limits": [LIMIT]}] * 2})),
         ("choice", chosen({"together": {"met": "none"}}, limits=[LIMIT | {"error": 0.7}])),
@@ -280,8 +294,16 @@ CASES = {
         ("test_runs", MEASURED),
     ],
     "How far can this be trusted?": [
+        ("reliance", FACTS),
+        ("reliance", facts(responses=[LARGE, curve(grade="unknown", name="v")])),
+        ("reliance", facts(FREE, unvaried=["mass", "k"])),
+        ("reliance", facts(requirements=[PART | {"met": "undecided", "limits": [LIMIT]}],
+                           late_peaks=["t_open"])),
+        ("reliance", rows(TIME | {"predicted_ends": ["upper"], "errors": {"whole": 0.2}},
+                          SPEED | {"doubt": "`K` is free"}, accuracy={"unmet": ["t_open"]},
+                          responses=[curve(grade="unknown"), LARGE | {"name": "lift"}])),
         ("trust", FACTS),
-        ("trust", rows(TIME | {"errors": {"whole": 0.2}})),
+        ("trust", together(share=0.995, share_uncertainty=0.02)),
         ("trust", facts(unseen_from=0.64)),
         ("trust", together(met="all", share=1.0, share_uncertainty=0.0)),
         ("trust", facts(responses=[curve(grade="unknown")])),
@@ -324,7 +346,7 @@ CASES = {
     "Cells of tables": [
         ("worst", LIMIT), ("worst", LIMIT | {"kind": "at_least", "margin": -0.5, "error": None}),
         ("worst", HAPPENS), ("room", HAPPENS), ("room", LIMIT),
-        ("limit", {"quantity": "v", "kind": "happens", "level": False}),
+        ("limit", {"quantity": "v", "kind": "happens", "level": False}), ("limit", HAPPENS),
         ("limit", LIMIT | {"kind": "at_least"}), ("limit", SOFT),
         ("margin", LIMIT), ("margin", LIMIT | {"margin": 0.0}),
         ("margin", LIMIT | {"error": None}), ("margin", LIMIT | {"margin": 0.05}),
@@ -353,7 +375,8 @@ CASES = {
                                         LARGE | {"trusted": None})),
         *(("goal_name", CHOICE["goals"][0] | {"end": end}) for end in ("upper", "lower", "width")),
         ("halved_margin", LIMIT, "k"), ("halved_margin", LIMIT | {"margin": 0.94}, "k"),
-        ("cut", TOGETHER), ("cut", {"max_interval_scale": 0.00123}),
+        ("goal_value", CHOICE["goals"][0]), ("limit_value", HAPPENS | {"kept": True}),
+        ("limit_value", LIMIT), ("cut", TOGETHER), ("cut", {"max_interval_scale": 0.00123}),
         ("narrowed", TIME, "k", "halved"), ("narrowed", TIME | {"constant": True}, "k", "fixed"),
         ("sheet_head", FACTS, ROWS, ["met", "not met", "not analysed"], "ECSS"),
         ("sheet_head", facts(parameters=[]), ROWS[1:], ["met"], "ECSS"),

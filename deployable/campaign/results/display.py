@@ -82,7 +82,8 @@ def shown_facts(facts: Mapping[str, Any], experiment: Experiment) -> dict[str, A
     result["deepest"] = conversion.show({"value": facts.get("overlap", 0.0), "units": "rad"})
     result["metre"] = conversion.show({"value": 1.0, "units": "m"})
     for trial in result.get("choice", {"tried": ()})["tried"]:
-        for key, section in (("values", "parameters"), ("goals", "goals")):
+        sections = (("values", "parameters"), ("goals", "goals"), ("margins", "limits"))
+        for key, section in sections:
             pairs = zip(trial[key], result["choice"][section], strict=True)
             trial[key] = [x if x is None else x * row["scale"] for x, row in pairs]
     for pair in result.get("measured", {}).get("trade_offs", ()):

@@ -49,7 +49,7 @@ def environment(units: Iterable[str] = (), html: bool = False) -> Any:
                   "position", "with_error", "earliest", "code"),
         facts: ("decisive", "moments", "happens_only", "has_effect", "fitted_width", "scarcest",
                 "is_tight", "tightest", "missing_only", "largest", "gains", "best_halvings",
-                "worst_case"),
+                "worst_case", "worst_limit", "roomier", "contact_bound"),
     }  # fmt: skip
     for module, names in filters.items():
         env.filters |= {name: getattr(module, name) for name in names}

@@ -42,14 +42,14 @@ def quantity(value: float | None, units: str, digits: int = 3, missing: str = "u
     return missing if value is None else with_unit(number(value, digits), units)
 
 
-def with_error(value: float, error: float | None, units: str) -> str:
-    """Write a number with its error, both rounded to the first digit of the error: `0.062 ± 0.005
+def with_error(value: float, error: float | None, units: str, digits: int = 1) -> str:
+    """Write a number with its error, both rounded to so many digits of the error: `0.062 ± 0.005
     m/s`; units: of both, as in files (`m s-1`). The number alone, with three digits, where the
     error is None, 0 or below a thousandth of it."""
     if not error or error < 1e-3 * abs(value):
         return quantity(value, units)
-    places = -_power(error)
-    text = [f"{v:z.{places}f}" if 0 <= places <= 9 else number(v, 1) for v in (value, error)]
+    places = digits - 1 - _power(error)
+    text = [f"{v:z.{places}f}" if 0 <= places <= 9 else number(v, digits) for v in (value, error)]
     return with_unit(" ± ".join(text).replace("-", "−"), units)
 
 
@@ -78,7 +78,7 @@ def share(share: float, open_: float = 0.0) -> str:
     if half_width < min(OPEN, max(min(percent, 100 - percent), 0.01) / 10):
         if 0 < percent < 0.01 or 99.99 < percent < 100:
             return "less than 0.01 %" if percent < 50 else "more than 99.99 %"
-        return f"{percent:.4g} %"
+        return f"{percent:.2f}".rstrip("0").rstrip(".") + " %"
     places = max(0, -int(np.floor(np.log10(half_width))))
     least = 10.0**-places
     half_width = np.ceil(half_width / least - 1e-9) * least

@@ -37,7 +37,7 @@ def test_the_headline_is_the_answer(opened):
     assert re.fullmatch(
         r"Not everywhere: all requirements are met in 6\d\.\d+ % of the tolerance box "
         r"\(by volume, not a probability\)\. "
-        r"`in_time` fails in 3\d\.\d+ % of it, at worst by 0\.0306 s\.",
+        r"`in_time` fails in 3\d\.\d+ % of the box, at worst by 0\.0306 s\.",
         text,
     )
     assert " at 1.8682 to 1.9640 s (`t_open`)." in sentence("ranges", opened.facts)

@@ -105,8 +105,7 @@ def answer(
     }  # fmt: skip
     fit_errors = dict(zip(experiment.quantities, model.surrogates(), strict=True))
     for row in (*choice["goals"], *choice["limits"]):
-        if row["error"] is not None:
-            row["fit_error"] = number(fit_errors[row["quantity"]].error)
+        row["fit_error"] = number(fit_errors[row["quantity"]].error)
     write_result(folder.choice, json.dumps(choice, indent=1, allow_nan=False) + "\n")
 
 

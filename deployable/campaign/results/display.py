@@ -18,7 +18,7 @@ from fpm.arithmetic.units import unit
 _KINDS = {kind: get_args(names) for kind, names in get_type_hints(Display).items()}
 _PLACES = "at", "lower_at", "argmin", "argmax"  # keys of parameter values by name
 _OTHER_KEYS = re.compile(
-    "time|share|ratio|happens|runs|undivided|target|bands|fraction|duration|impossible$|error_share"
+    "time|share|ratio|happens|runs|undivided|target|bands|fraction|duration|error_share"
 )
 """Beginnings of the keys of numbers that are not in the unit of the row that they are in."""
 

@@ -33,9 +33,8 @@ from deployable.campaign.results.run_samples import (
     read_refinement,
 )
 from deployable.campaign.text import name_response
-from deployable.campaign.text.numbers import code, percent
+from deployable.campaign.text.numbers import code
 from deployable.intervals.box import ROUNDING
-from deployable.intervals.estimates import MAX_TAIL_RATIO
 from fpm.elements import Contact
 from fpm.errors import SceneError
 
@@ -219,7 +218,6 @@ def _response(
         "size": float(max(np.abs(bounds.lower).max(), np.abs(bounds.upper).max())),
         "published": published,
         "ratio_to_published": None if not published else float(width[instant] / published),
-        "mean_difference": _mean(width, time),
         "error_at_largest_difference": None,
     }
     if bounds.abscissa:
@@ -232,9 +230,6 @@ def _response(
         )
         row |= {"largest_error": worst, "time_of_largest_error": float(time[largest]),
                 "error_at_largest_difference": error}  # fmt: skip
-        runs = int(campaign.attributes["held_out_runs"])
-        if extrapolation := _extrapolated_error(bounds, instant, runs):
-            row["extrapolated_error"] = extrapolation
     row["grade"] = grade(row["error_at_largest_difference"], row["largest_difference"])
     row["trusted"] = _largest_trusted(bounds)
     if (start := campaign.attributes.get("undivided_from", np.inf)) <= time[instant]:
@@ -245,20 +240,10 @@ def _response(
         parts = [name for name in COMPONENTS if name in bounds.errors]
         errors = {name: _mean(bounds.errors[name], time) for name in parts}
         row["errors"] = add_total_error(errors, _mean(width, time))
-    row["impossible_by"], row["time_of_impossible"] = bounds.impossible
     if bounds.shares is not None:
         names = [parameter["name"] for parameter in campaign.parameters]
         row["shares"] = dict(zip(names, map(number, bounds.shares), strict=True))
     return row
-
-
-def _extrapolated_error(bounds: ResponseBounds, instant: int, runs: int) -> dict[str, float]:
-    """Return how far the fit misses `runs` runs, and `runs`, if the decay of the coefficients
-    predicts a far larger error; else nothing."""
-    if "polynomial" not in bounds.kind:
-        return {}
-    decay, residual = (float(bounds.errors[name][instant]) for name in ("decay", "held_out"))
-    return {"missed": residual, "runs": runs} if decay > MAX_TAIL_RATIO * residual else {}
 
 
 def _mean(curve: np.ndarray, time: np.ndarray) -> float:
@@ -299,32 +284,24 @@ def _accuracy(plan: Plan, rows: Iterable[Mapping]) -> dict[str, Any]:
         if row.get("lower", 0.0) is not None
         and not ("constant" in row and row.get("runs_with", 2) > 1)
     ]  # fmt: skip
-    unmet = [row["name"] for row in intervals if not _is_met(**row["errors"])]
+    unmet = [  # by shares as printed
+        row["name"] for row in intervals if row["errors"]["share"] is None
+        or float(f"{row['errors']['share']:.3g}") > row["errors"]["target"]
+    ]  # fmt: skip
     texts = [] if plan.adaptive.met else [f"The rounds ended as {last.reason}"]
     texts += [f"The search for the bounds of {row['name']} ended as {row['search_end']}"
               for row in intervals if row["name"] in unmet and row.get("search_end")]  # fmt: skip
     texts = texts or ["Finer steps and meshes change bounds too much"]
-    reason = ". ".join(text.removesuffix(".") for text in texts)
-    if not unmet and intervals:
-        row = max(intervals, key=lambda row: row["errors"]["share"] / row["errors"]["target"])
-        share, target = row["errors"]["share"], row["errors"]["target"]
-        reason = f"the error of {row['name']} is nearest to its target"
-        reason += f", {percent(share)} of {percent(target)}"
     return {
         "met": not unmet,
         "unmet": unmet,
         "others": len(intervals) - len(unmet),
-        "reason": reason,
+        "reason": ". ".join(text.removesuffix(".") for text in texts if unmet),
         "rounds": len(plan.adaptive.rounds),
         "mesh": {mesh: experiment.scene.parameters[mesh]} if mesh else {},
         "runs": last.runs,
         "seconds": last.seconds,
     }
-
-
-def _is_met(share: float | None, target: float, **_: Any) -> bool:
-    """Return whether a share meets its target, as printed with three digits."""
-    return share is not None and float(f"{share:.3g}") <= target
 
 
 def decisive(row: Mapping) -> str | None:
@@ -377,12 +354,6 @@ def scarcest(limits: Iterable[Mapping]) -> Mapping | None:
     return min(rows, key=lambda limit: limit["margin"] / limit["error"], default=None)
 
 
-def tightest(requirements: Iterable[Mapping]) -> str | None:
-    """Name the quantity of the limit with the smallest margin relative to its level, if any."""
-    limits = [x for row in requirements for x in row["limits"] if x["margin"] is not None]
-    return worst_limit(limits)["quantity"] if limits else None
-
-
 def missing_only(requirements: Iterable[Mapping], quantities: Iterable[Mapping]) -> list[str]:
     """Name the requirements that fail only where their quantity does not exist."""
     rows = [row for row in requirements if None in [x["margin"] for x in row["limits"]]]
@@ -404,8 +375,6 @@ def roomier(choice: Mapping) -> Mapping | None:
     """Return the tried choice that has the most room to the limits, with the errors of the fit over
     all choices, if the best choice is tight and this one keeps all limits by more than errors; None
     if there is no such choice. choice: section of the facts."""
-    if not is_tight(choice):
-        return None
     sections = {"parameters": "values", "goals": "goals", "limits": "margins"}
     rows = [
         {section: [row | {"value": x, "margin": x, "error": row.get("fit_error")}
@@ -414,25 +383,19 @@ def roomier(choice: Mapping) -> Mapping | None:
         for trial in choice["tried"] if trial["kept"]
     ]  # fmt: skip
     best = max(rows, key=_room, default=choice)
-    return best if _room(best) > max(1.0, _room(choice)) else None
+    return best if is_tight(choice) and _room(best) > max(1.0, _room(choice)) else None
 
 
 def worst_limit(limits: Iterable[Mapping]) -> Mapping:
     """Return the limit with the smallest margin relative to its level; one without a margin is
     better than all if it is kept, else worse."""
-
-    def margin(limit: Mapping) -> float:
-        if limit["margin"] is None:
-            return np.inf if limit["kept"] else -np.inf
-        return limit["margin"] / (abs(limit["level"]) or 1.0)
-
-    return min(limits, key=margin)
+    return min(limits, key=lambda x: (1 if x["kept"] else -1) * np.inf if x["margin"] is None
+               else x["margin"] / (abs(x["level"]) or 1.0))  # fmt: skip
 
 
 def contact_bound(facts: Mapping) -> list[Mapping]:
     """Return the requirements on peaks after the first contact, which depend on its stiffness."""
-    peaks = facts.get("late_peaks", ())
-    rows = facts.get("requirements", ())
+    rows, peaks = facts.get("requirements", ()), facts.get("late_peaks", ())
     return [row for row in rows if any(x["quantity"] in peaks for x in row["limits"])]
 
 

@@ -22,8 +22,8 @@ def quantity_facts(folder: Folder, samples: RunSamples, bounds: CampaignBounds) 
     endless_times = {row["name"] for row in rows if row["censored_at"] or row["may_be_endless"]}
     for i, (row, quantity) in enumerate(zip(rows, experiment.quantity_list, strict=True)):
         row |= words_of(quantity)
-        names = [part.name for part in getattr(quantity, "parts", ())]
-        row["late_parts"] = [name for name in names if name in endless_times]
+        parts = getattr(quantity, "parts", ())
+        row["late_parts"] = [part.name for part in parts if part.name in endless_times]
         if counts := _late_runs(i, quantity, samples, bounds.time):
             row["unfinished"] = counts
         if not row["runs_with"] and (approach := _approach(quantity, experiment, bounds)):

@@ -53,12 +53,6 @@ def with_error(value: float, error: float | None, units: str, digits: int = 1) -
     return with_unit(" ± ".join(text).replace("-", "−"), units)
 
 
-def earliest(row: Mapping[str, Any]) -> str:
-    """Write the lower bound of a quantity with its unit, such as `0.31 s`, rounded as `interval`
-    does. row: the quantity's dict in `summary.json` (`facts_of`): lower, upper, error, units."""
-    return with_unit(_ends(row)[0], row["units"])
-
-
 def with_unit(text: str, units: str) -> str:
     """Put a unit behind a number's text: `2.5 m/s`; units: as in files (`m s-1`, `1`: none)."""
     return text if pretty(units) == "1" else f"{text} {pretty(units)}"
@@ -104,25 +98,21 @@ def interval(row: Mapping[str, Any]) -> str:
     difference."""
     if row["lower"] is None:
         return ""
-    ends = _ends(row)
-    if row.get("censored_at"):
-        most = quantity(row["censored_at"], row["units"])
-        return f"{ends[0]} to more than {most} (the end of the runs)"
-    text = with_unit(f"{ends[0]} to {ends[1]}", row["units"])
-    return f"{text} (it may have no upper end)" if row.get("may_be_endless") else text
-
-
-def _ends(row: Mapping[str, Any]) -> list[str]:
-    """Return the ends of an interval as `interval` writes them, without their unit."""
     lower, upper = row["lower"], row["upper"]
     error, width = row.get("error") or 0.0, upper - lower
     size = max(abs(lower), abs(upper))
     places = -_power(width or 1e-3 * size or 1.0) + 2
     if error > 0 < width:
         places = min(places, -_power(min(error, width / 10)))
-    if not 0 <= places <= 9:
-        return [number(end, max(1, min(9, places + 1 + _power(size)))) for end in (lower, upper)]
-    return [f"{end:z.{places}f}".replace("-", "−") if end else "0" for end in (lower, upper)]
+    if 0 <= places <= 9:
+        ends = [f"{x:z.{places}f}".replace("-", "−") if x else "0" for x in (lower, upper)]
+    else:
+        ends = [number(x, max(1, min(9, places + 1 + _power(size)))) for x in (lower, upper)]
+    if row.get("censored_at"):
+        most = quantity(row["censored_at"], row["units"])
+        return f"{ends[0]} to more than {most} (the end of the runs)"
+    text = with_unit(f"{ends[0]} to {ends[1]}", row["units"])
+    return f"{text} (it may have no upper end)" if row.get("may_be_endless") else text
 
 
 def _power(value: float) -> int:

@@ -125,7 +125,8 @@ class Node:
 
 class Problems:
     """Problems noted so far of one file, false if there are none; equal ones of the units of a
-    repeat count once. source: name of the file in messages."""
+    repeat, and those of a name that does not exist, count once. source: name of the file in
+    messages."""
 
     def __init__(self, source: str):
         self.source = source
@@ -137,7 +138,10 @@ class Problems:
     def say(self, line: int, sentence: str) -> None:
         """Note a problem on a line (from 1; 0: none); sentence: what is wrong, first its key."""
         text = re.sub(r"\d[\d.e+-]*", "", sentence) if sentence.startswith("repeat.") else sentence
-        self._problems.setdefault((line, text), Problem(line, sentence))
+        cause = text.partition(": ")[2].partition(";")[0]
+        is_name = cause.startswith("there is no ") and "'" in cause  # wherever it is used
+        key = (0, cause) if is_name else (line, text)
+        self._problems.setdefault(key, Problem(line, sentence))
 
     def refuse(self, line: int, key: str, value: object, allowed: str, hint: str = "") -> None:
         """Note that a key (dotted path) on a line has a value not `allowed` (what is, in words).

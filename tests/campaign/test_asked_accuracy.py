@@ -279,12 +279,12 @@ def told(rounds_met, *shares, asked=0.05):
     """What a summary says of an accuracy after rounds that found it met, or not, above a table with
     such shares of the width; "none" for a quantity that happens nowhere."""
     rows = [
-        {"name": name, "errors": {"share": None if share == "none" else share, "target": asked}}
+        {"name": name, "errors": {"share": None if share == "none" else share}}
         | ({} if name == "x" else {"lower": None if share == "none" else 1.0})
         | ({"search_end": f"{name} jumps"} if name != "x" and share != "none" else {})
         for name, share in zip("xyz", shares, strict=False)
     ]
-    accuracy = Accuracy({}, 0, 0.0, "")
+    accuracy = Accuracy(dict.fromkeys("xyz", asked), 0, 0.0, "")
     rounds = Rounds((Round(16, 0.0, "stop", "the budget is spent"),), (), met=rounds_met)
     plan = SimpleNamespace(adaptive=rounds, experiment=SimpleNamespace(accuracy=accuracy))
     found = _accuracy(plan, rows)
@@ -307,7 +307,7 @@ def test_an_accuracy_is_met_by_what_is_told_last_and_not_by_the_rounds():
     found, text = told(False, 0.02, 0.04, "none")
     assert (found["met"], found["unmet"]) == (True, [])
     assert "is met. It took 1 round" in text
-    assert text.endswith("The error of y is nearest to its target, 4 % of 5 %.")
+    assert text.endswith("narrower than the distance between runs.")
 
 
 @pytest.fixture(scope="module")

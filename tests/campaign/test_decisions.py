@@ -66,6 +66,8 @@ def test_margins_are_those_of_the_worst_runs(judged):
     times = [exact_time(0.095), exact_time(0.105)]
     exact = [LATEST - times[0], times[1] - EARLIEST]
     np.testing.assert_allclose([one["margin"] for one in limits[:2]], exact, atol=1e-6)
+    halved = [LATEST - exact_time(0.0975), exact_time(0.1025) - EARLIEST]
+    np.testing.assert_allclose([one["halved"]["k"] for one in limits[:2]], halved, atol=1e-5)
     np.testing.assert_allclose([one["simulated"] for one in limits[:2]], times, rtol=1e-6)
     assert [one["at"]["k"] for one in limits] == pytest.approx([0.095, 0.105, 0.095])
 

@@ -98,6 +98,12 @@ MISTAKES = [  # what is replaced, by what, and what the message holds
     ("design:", "cases: {a: {}, b: {scene: {k: 2}}}\ndesign:", "cases.b.scene.k: 2, and k is",
      "`intervals: {k: {nominal: 2, relative: 0.1}}` in this case"),
     ("design:", "bars: {}\ndesign:", "(it stands in the file of the structure)"),
+    ("  arm: {", "  arms: {", "has 1 problem", "line 18: joints.pivot.parts", "no part 'arm'"),
+    ("  pivot: {", "  pivo: {", "has 1 problem", "line 20: actions.push.joint", "mean pivo?"),
+    ("  L: {value", "  l: {value", "has 1 problem", "line 7: let.half: there is no number called"),
+    ("  t: {event: latches, of: catch}\nrequirements:\n",
+     "requirements:\n  soon: {t: {at_most: 2}}\n",
+     "has 1 problem", "line 10: quantities: null is not allowed"),
     ("parameters:", "solver: {}\nparameters:", "(it stands in the file of a campaign)"),
 ]  # fmt: skip
 
@@ -122,13 +128,14 @@ UNLIKELY = [  # the same, of what is allowed and hardly meant
     ("{event: latches, of: catch}", "{crossing: psi, level: 45}", "2578 deg: did you mean"),
     ("{event: latches, of: catch}", "{crossing: psi, level: 2}", "is beyond 90 deg, where"),
     ("at_most: 3", "at_least: 5", "5 s, but runs end at 2 s, so that none can meet it"),
-    ("at_most: 3", "at_least: 0", "but t is never below 0, so that it asks only that it happens"),
+    ("at_most: 3", "at_least: 0", "warning: line 13: requirements.in_time.t.at_least: 0, but t is "
+     "never below 0, so that it asks only that it happens"),
     ("at_most: 3", "at_most: -1", "-1, but t is never below 0, so that none can meet it"),
     ("at_most: 3", "at_most: 30", "30 s, but runs end at 2 s, so that all where it happens"),
     ("instants: 201", "instants: 12", "12 for 2 s are 0.1818 s apart", "take 201 or more"),
     ("order: 2}", "order: 2, samples: 500}", "design.samples: 500 is of sobol and screening alone"),
     ("{event: latches, of: catch}", "{value: psi, at: 15}", "t.at: 15 s, but runs last from 0"),
-    ("relative: 0.1", "relative: 0", "intervals.k: 3 to 3 has no width", "scene.parameters"),
+    ("relative: 0.1", "relative: 0", "line 5: intervals.k: 3 to 3 has no width", "scene.param"),
     ("absolute: 0.02", "absolute: 20", "intervals.L: -18.8 to 21.2 about 1.2", "the unit m of L"),
 ]  # fmt: skip
 

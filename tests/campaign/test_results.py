@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import shutil
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from xml.etree import ElementTree
@@ -22,9 +21,7 @@ from deployable.campaign.errors import CampaignError
 from deployable.campaign.folder import Folder
 from deployable.campaign.report import make_motions
 from deployable.campaign.results import figures
-from deployable.campaign.results.facts import _extrapolated_error
-from deployable.campaign.results.response_bounds import ResponseBounds
-from deployable.campaign.results.templates import sentence, summary_text
+from deployable.campaign.results.templates import summary_text
 from deployable.campaign.stages import figures as draw
 from deployable.campaign.stages import page
 from deployable.campaign.stages.answers import summarise
@@ -149,18 +146,6 @@ def test_responses_of_any_name_have_bounds_of_their_own(raw, tmp_path):
             assert (bounds["lower"] == bounds["lower"][2]).all("time").sum() == 3  # of one kind
     for odd, plain in found.values():
         xr.testing.assert_identical(odd, plain)
-
-
-def test_an_error_that_no_run_shows_is_told_to_be_foretold():
-    """Where runs overrule what coefficients foretell, it is not much larger than what they show."""
-    errors = {"decay": np.array([0.5, 0.05]), "held_out": np.array([0.01, 0.01])}
-    polynomial = "enclosed range of the polynomial"
-    bounds = ResponseBounds("x", "place", "m", *np.zeros((3, 2)), kind=polynomial, errors=errors)
-    row = {"name": "x", "units": "m", "extrapolated_error": _extrapolated_error(bounds, 0, runs=3)}
-    told = sentence("extrapolated", row)
-    assert "On the 3 runs kept out of the fit it is off by at most 0.01 m" in told
-    assert _extrapolated_error(bounds, 1, runs=3) == {}
-    assert _extrapolated_error(replace(bounds, kind="attained range of a spline"), 0, 3) == {}
 
 
 def test_the_summary_is_as_its_schema_says(finished):

@@ -43,7 +43,7 @@ CURVE = {
     "name": "root", "long_name": "opening of hinge root", "words": "opening of the hinge `root`",
     "units": "rad", "grade": "small",
     "largest_difference": 1.1, "time_of_largest_difference": 3.8, "trusted": None,
-    "error_at_largest_difference": 0.05, "impossible_by": 0.08, "time_of_impossible": 5.8,
+    "error_at_largest_difference": 0.05,
     "shares": {"k": 0.6, "c": 0.4}, "lower": 0.4, "largest_growth_quarter": 0.02,
     "published": None, "largest_error": 0.1, "time_of_largest_error": 4.0,
 }  # fmt: skip
@@ -51,10 +51,11 @@ LIMIT = {
     "quantity": "t_open", "units": "s", "words": TIME["words"], "event": TIME["event"],
     "kind": "at_most", "level": 9.0, "margin": 0.8, "error": 0.1, "kept": True, "at": {"k": 0.4},
     "ran": True, "simulated": 8.2, "requirement": "in_time", "met": "some", "share": 0.9,
-    "share_uncertainty": 0.01, "runs": 125, "halved": {"k": 0.95, "c": None},
+    "fit_error": 0.2, "share_uncertainty": 0.01, "runs": 125, "halved": {"k": 0.95, "c": None},
 }  # fmt: skip
 HAPPENS = LIMIT | {"kind": "happens", "level": True, "margin": None, "kept": False}
 SOFT = LIMIT | {"quantity": "v", "units": "m s-1", "words": SPEED["words"], "level": 0.8}
+ABSENT = SOFT | {"margin": None}
 PART = {"name": "in_time", "met": "some", "share": 0.9, "share_uncertainty": 0.01, "runs": 125}
 HALF = {"share": 0.99, "share_uncertainty": 0.001, "gain": 0.09, "gain_uncertainty": 0.002}
 TOGETHER = PART | {
@@ -64,9 +65,9 @@ TOGETHER = PART | {
 CHOICE = {
     "parameters": [{"name": "k", "units": "N m rad-1", "lower": 0.3, "upper": 0.8, "value": 0.5,
                     "decides": True, "safe": None, "safest": None}],
-    "kept": True, "safe": True, "limits": [LIMIT],
+    "kept": True, "safe": True, "limits": [LIMIT], "tried": [],
     "goals": [SPEED | {"sense": "minimise", "end": "upper", "value": 0.67, "error": 0.03,
-                       "at": {"k": 0.5}, "ran": True, "simulated": 0.66}],
+                       "fit_error": 0.03, "at": {"k": 0.5}, "ran": True, "simulated": 0.66}],
 }  # fmt: skip
 WORST = {"test": "swing", "response": "phi", "units": "rad", "time": 0.16, "bands": 1.3,
          "residual": 0.004}  # fmt: skip
@@ -83,8 +84,7 @@ FACTS = {
     "duration": 12.0, "parameters": [K, C], "fixed": [], "failures": [], "overlap": 0.06,
     "runs": {"design": 37, "checks": 10, "further": 88, "choice": 158, "measured": 0, "failed": 0,
              "all": 293},
-    "design": {"method": "smolyak", "order": [3, 3], "nodes": 33, "held_out": 4, "runs": 37,
-               "nominal_among_them": True},
+    "design": {"method": "smolyak", "order": [3, 3], "nodes": 33, "held_out": 4, "runs": 37},
     "bounds": "attained range of the model that predicts left-out runs best",
     "time_step": 0.005, "finest_step": 0.005, "assembly_energy": 0.0,
     "closures": [{"time": 5.1, "contact": "latch a"}, {"time": 5.2, "contact": "latch b"}],
@@ -149,7 +149,18 @@ CASES = {
         ("headline", together(met="none", share=0.0, share_uncertainty=0.0)),
         ("headline", together(met="none", share=0.0, share_uncertainty=0.1)),
         ("headline", together(met="some", share=0.0, share_uncertainty=1.0)),
-        ("headline", facts(requirements=[PART | {"limits": [HAPPENS]}])),
+        ("headline", facts(requirements=[
+            PART | {"limits": [HAPPENS]}, PART | {"name": "gentle", "limits": [ABSENT]},
+            PART | {"limits": [LIMIT | {"margin": None, "kept": False}]},
+            PART | {"met": "none", "limits": [LIMIT | {"margin": -0.5}]},
+        ])),
+        ("headline", facts(requirements=[PART | {"met": "undecided", "limits": [LIMIT]}])),
+        ("headline", facts(requirements=[
+            PART | {"name": name, "limits": [ABSENT]} for name in ("soft", "gentle")
+        ])),
+        ("headline", facts(together={"share": 0.995, "share_uncertainty": 0.02}, requirements=[
+            PART | {"name": name, "met": "undecided", "limits": [LIMIT]} for name in "ab"
+        ])),
         ("headline", facts(review={"rows": ROWS})),
         ("headline", FREE),
         ("headline", rows()),
@@ -221,6 +232,9 @@ CASES = {
             PART | {"limits": [LIMIT | {"halved": {"k": 0.95, "c": 0.1}}]}
         ])),
         ("tolerance", facts(requirements=[PART | {"limits": [LIMIT | {"halved": {"k": -0.1}}]}])),
+        *(("close_by", facts(requirements=[
+            PART | {"name": name, "limits": [LIMIT | {"halved": {"k": 0.05}}]} for name in names
+        ]), "k") for names in (["in_time"], ["in_time", "gentle"])),
         ("tolerance", together(halved={n: HALF | {"gain": 0} for n in "kc"})),
         ("tolerance", together(met="undecided")),
         ("tolerance", rows(TIME | {"influence": {
@@ -239,8 +253,10 @@ CASES = {
         ("choice", chosen()),
         ("choice", chosen(safe=False)),
         *(("choice", chosen(
-            limits=[LIMIT | {"error": 0.7}], goals=CHOICE["goals"] * 2,
-            tried=[{"values": [k], "goals": [0.6, 0.7], "kept": kept} for k in (0.4, 0.5, 0.6)],
+            limits=[LIMIT | {"error": 0.7}], goals=CHOICE["goals"] * 2, tried=[
+                {"values": [k], "goals": [0.6, 0.7], "margins": [k], "kept": kept}
+                for k in (0.4, 0.5, 0.6)
+            ],
         )) for kept in (True, False)),
         ("choice", chosen({"requirements": [PART | {"limits": [LIMIT]}] * 2})),
         ("choice", chosen({"together": {"met": "none"}}, limits=[LIMIT | {"error": 0.7}])),
@@ -280,8 +296,16 @@ CASES = {
         ("test_runs", MEASURED),
     ],
     "How far can this be trusted?": [
+        ("reliance", FACTS),
+        ("reliance", facts(responses=[LARGE, curve(grade="unknown", name="v")])),
+        ("reliance", facts(FREE, unvaried=["mass", "k"])),
+        ("reliance", facts(requirements=[PART | {"met": "undecided", "limits": [LIMIT]}],
+                           late_peaks=["t_open"])),
+        ("reliance", rows(TIME | {"predicted_ends": ["upper"], "errors": {"whole": 0.2}},
+                          SPEED | {"doubt": "`K` is free"}, accuracy={"unmet": ["t_open"]},
+                          responses=[curve(grade="unknown"), LARGE | {"name": "lift"}])),
         ("trust", FACTS),
-        ("trust", rows(TIME | {"errors": {"whole": 0.2}})),
+        ("trust", together(share=0.995, share_uncertainty=0.02)),
         ("trust", facts(unseen_from=0.64)),
         ("trust", together(met="all", share=1.0, share_uncertainty=0.0)),
         ("trust", facts(responses=[curve(grade="unknown")])),
@@ -299,19 +323,17 @@ CASES = {
         ("remedy", FACTS, LATE),
         ("remedy", facts(bounds="enclosed range of a polynomial"), CURVE),
         ("remedy", facts(bounds="least and largest sample"), CURVE),
-        ("extrapolated", curve(extrapolated_error={"runs": 4, "missed": 0.02})),
-        ("extrapolated", curve(extrapolated_error={"runs": 0, "missed": 0.02})),
         *(("bounds", kind) for kind in ("enclosed range of a polynomial", FACTS["bounds"],
                                         "least and largest sample")),
         ("scan", {"drawn_runs": 120, "share_outside": 0.02, "share_outside_95": 0.04}),
         ("growth", [CURVE, curve(name="lift"), curve(name="tip")]),
         ("made", FACTS),
         ("made", facts(finest_step=0.001, assembly_energy=2.0, design={
-            "order": [0], "held_out": 0, "nominal_among_them": False
+            "order": [0], "held_out": 0
         })),
         ("accuracy", facts(
             accuracy={"met": True, "rounds": 1, "runs": 300, "seconds": 0.3, "mesh": {},
-                      "reason": "the error of lift is nearest to its target, 4 % of 5 %",
+                      "reason": "",
                       "unmet": [], "others": 2})),
         *(("accuracy", facts(
             quantities=[TIME | {"errors": {"share": 0.0501, "target": 0.05}},
@@ -324,7 +346,7 @@ CASES = {
     "Cells of tables": [
         ("worst", LIMIT), ("worst", LIMIT | {"kind": "at_least", "margin": -0.5, "error": None}),
         ("worst", HAPPENS), ("room", HAPPENS), ("room", LIMIT),
-        ("limit", {"quantity": "v", "kind": "happens", "level": False}),
+        ("limit", {"quantity": "v", "kind": "happens", "level": False}), ("limit", HAPPENS),
         ("limit", LIMIT | {"kind": "at_least"}), ("limit", SOFT),
         ("margin", LIMIT), ("margin", LIMIT | {"margin": 0.0}),
         ("margin", LIMIT | {"error": None}), ("margin", LIMIT | {"margin": 0.05}),
@@ -353,7 +375,10 @@ CASES = {
                                         LARGE | {"trusted": None})),
         *(("goal_name", CHOICE["goals"][0] | {"end": end}) for end in ("upper", "lower", "width")),
         ("halved_margin", LIMIT, "k"), ("halved_margin", LIMIT | {"margin": 0.94}, "k"),
-        ("cut", TOGETHER), ("cut", {"max_interval_scale": 0.00123}),
+        ("goal_value", CHOICE["goals"][0]), ("limit_value", HAPPENS | {"kept": True}),
+        ("limit_value", LIMIT), ("short_limit", LIMIT), ("short_limit", HAPPENS),
+        ("short_limit", HAPPENS | {"level": False}), ("cut", TOGETHER),
+        ("cut", {"max_interval_scale": 0.00123}),
         ("narrowed", TIME, "k", "halved"), ("narrowed", TIME | {"constant": True}, "k", "fixed"),
         ("sheet_head", FACTS, ROWS, ["met", "not met", "not analysed"], "ECSS"),
         ("sheet_head", facts(parameters=[]), ROWS[1:], ["met"], "ECSS"),

@@ -11,6 +11,7 @@ import yaml
 from deployable import campaign
 from deployable.campaign.answers import quantity_bounds
 from deployable.campaign.answers.choice import design_points, find_deciding_parameters
+from deployable.campaign.answers.limits import why_idle
 from deployable.campaign.answers.quantity_bounds import _bounds
 from deployable.campaign.cli import main
 from deployable.campaign.config import sections
@@ -21,9 +22,10 @@ from deployable.campaign.results.facts import (
     decisive,
     happens_only,
     mark_constant,
-    why_idle,
+    roomier,
     worst_case,
 )
+from deployable.campaign.results.quantity_facts import _late_runs
 from deployable.campaign.results.quantity_results import add_total_error
 from deployable.campaign.results.templates import sentence
 from deployable.campaign.text.numbers import interval, number, quantity, share, with_error
@@ -268,6 +270,39 @@ def test_widths_of_rounding_are_no_widths(count, unit):
     assert text.startswith("Tightening has no effect: no response or quantity varies with `k1`")
     assert "does not vary" in sentence("ranges", facts)
     assert sentence("differences", facts) == "The opening (`a`) does not vary."
+
+
+def test_late_and_stuck_runs_are_counted_by_whether_they_would_arrive():
+    """Of runs of constant speed v over 1 s, those with v < 0.5 need more than another second."""
+    speeds, time = np.array([0.4, 0.9, 0.6, 0.0, 2.0, 0.51]), np.linspace(0.0, 1.0, 101)
+    response = SimpleNamespace(name="x")
+    samples = SimpleNamespace(
+        experiment=SimpleNamespace(response_list=[response], intervals=["v"]),
+        table=SimpleNamespace(numbers=np.where(speeds < 1, np.nan, 0.5)[:, None],
+                              values=speeds[:, None]),
+        keeps_extremes=False, curves=lambda run, responses: speeds[run] * time[None],
+    )  # fmt: skip
+    quantity = SimpleNamespace(kind="crossing", event="crosses", response=response, level=1.0)
+    counts = {"late": 3, "stuck": 2, "at": {"v": 0.4}}
+    assert _late_runs(0, quantity, samples, time).items() >= counts.items()
+
+
+def test_the_choice_with_most_room_is_recommended_where_the_best_is_tight():
+    """Margins 2 - v and 4 (v - 1) with errors 0.2 and 0.4: the room is largest at v = 4/3."""
+    speeds = np.linspace(1.0, 2.0, 31)
+    choice = {
+        "parameters": [{"name": "v", "value": 1.05}], "goals": [{"fit_error": 0.1, "value": 0.0}],
+        "limits": [{"margin": 0.95, "error": 0.1, "fit_error": 0.2},
+                   {"margin": 0.2, "error": 0.2, "fit_error": 0.4}],
+        "tried": [{"values": [v], "goals": [v], "margins": [2 - v, 4 * (v - 1)], "kept": True}
+                  for v in speeds],
+    }  # fmt: skip
+    found = roomier(choice)
+    assert found["parameters"][0]["value"] == found["goals"][0]["value"] == pytest.approx(4 / 3)
+    assert [limit["error"] for limit in found["limits"]] == [0.2, 0.4]
+    wide = [{"margin": 1.0, "error": 0.1, "fit_error": 0.2}]
+    assert roomier(choice | {"limits": wide, "tried": []}) is None
+    assert roomier(choice | {"tried": []}) is None
 
 
 def choices(worth, kept, places):

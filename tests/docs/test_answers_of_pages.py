@@ -9,7 +9,8 @@ import pytest
 import xarray
 
 from deployable.campaign.cli import main
-from deployable.campaign.text.numbers import share
+from deployable.campaign.results.facts import roomier
+from deployable.campaign.text.numbers import share, with_error
 
 ROOT = Path(__file__).parents[2]
 _NONE = {"share": 0.0, "share_uncertainty": 0.0}
@@ -102,8 +103,11 @@ TOLD = {
         f"{a.t_open.influence['dry']['fixed']:.1f} s",
         f"in {100 * a.together['halved']['dry']['share']:.1f} % of the box",
         f"error of {a.choice['goals'][1]['error']:.1f} s",
-        f"worst case is {a.choice['goals'][1]['simulated']:.1f} s",
-        f"the largest speed {a.choice['goals'][0]['simulated']:.2f} m/s",
+        f"latches within {a.choice['goals'][1]['simulated']:.1f} s",
+        f"at most {a.choice['goals'][0]['simulated']:.2f} m/s",
+        f"**k = {roomier(a.choice)['parameters'][0]['value']:.3f} N m/rad**",
+        " and ".join(with_error(one["margin"], one["error"], one["units"])
+                     for one in roomier(a.choice)["limits"][1:]),
     ], "README.md": lambda a: [
         f"in {a.meet['opens']} of the box",
         f"after {a.t_open.lower:.1f} s to more than {a.t_open.censored_at:g} s",

@@ -82,7 +82,7 @@ def answer(
                 "safest": None if value == row["value"] else value,
             }
         rows.append(row)
-    choice = {
+    choice: dict[str, Any] = {
         "parameters": rows,
         "kept": best.is_allowed and not has_failed,
         "safe": best.is_safe and not has_failed,
@@ -91,7 +91,7 @@ def answer(
         "limits": list(map(partial(_limit, judge), specs, best.margins, best.worst)),
         "tried": [
             {"values": trial.values.tolist(), "goals": list(map(number, trial.goals)),
-             "kept": trial.is_allowed}
+             "margins": list(map(number, trial.margins)), "kept": trial.is_allowed}
             for trial in trials
         ],
         "fitted": {
@@ -103,6 +103,9 @@ def answer(
         "runs": len(model.points),
         "simulated": model.simulated,
     }  # fmt: skip
+    fit_errors = dict(zip(experiment.quantities, model.surrogates(), strict=True))
+    for row in (*choice["goals"], *choice["limits"]):
+        row["fit_error"] = number(fit_errors[row["quantity"]].error)
     write_result(folder.choice, json.dumps(choice, indent=1, allow_nan=False) + "\n")
 
 

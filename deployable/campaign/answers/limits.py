@@ -193,8 +193,27 @@ _RULE_OF_THREE = 3.0  # over a number of runs: share that none of them meets wit
 def answer(model: ModelEvaluator, requirements: Mapping[str, Mapping]) -> None:
     """Assess in which part of the box the requirements are met, and write `requirements.json` into
     the folder of `model`, which has all runs; nothing is simulated."""
-    rows = judge(model, requirements, QuantityResults.read(model.folder).errors)
+    results = QuantityResults.read(model.folder)
+    rows = judge(model, requirements, results.errors)
+    pairs = zip(results.rows, model.experiment.quantity_list, strict=True)
+    quantities = {q.name: (row, q.least if q.always_exists else None) for row, q in pairs}
+    for limit in (limit for row in rows["requirements"] for limit in row["limits"]):
+        if reason := why_idle(limit, *quantities[limit["quantity"]]):
+            limit["idle"] = reason
     write_result(model.folder.requirements, json.dumps(rows, indent=1, allow_nan=False) + "\n")
+
+
+def why_idle(limit: Mapping, row: Mapping, least: float | None) -> str | None:
+    """Return why a limit cannot fail, so that to meet it says nothing: its quantity has a physical
+    lower bound, or the other sign in all runs, as where the size of a signed number is meant; None
+    if it can fail. limit: its dict in the results; row: that of the quantity; least: that bound."""
+    sign = {"at_most": 1, "at_least": -1}.get(limit["kind"], 0)
+    if sign < 0 and least is not None and limit["level"] <= least:
+        return f"is never below {least:g}"
+    end = row["upper" if sign > 0 else "lower"]
+    if not sign or end is None or not sign * limit["level"] > 0 > sign * end:
+        return None
+    return f"is {'negative' if sign > 0 else 'positive'} in all runs"
 
 
 def judge(

@@ -16,7 +16,7 @@ from deployable.campaign.answers.estimate import describe_work, estimate
 from deployable.campaign.cli.new import list_starts, make_folder
 from deployable.campaign.config import read
 from deployable.campaign.config.cases import variants
-from deployable.campaign.config.check import load_config
+from deployable.campaign.config.check import load_config, locate
 from deployable.campaign.config.measured import measured_warnings
 from deployable.campaign.config.plausible import requirement_warnings
 from deployable.campaign.config.sections import scene_type
@@ -153,7 +153,7 @@ def _check_texts(path: str) -> Iterator[tuple[str, str]]:
         yield "work", f"{case}{describe_work(Workflow(variant, folder))}"
         texts = [*experiment.warnings, *requirement_warnings(variant)]
         for text in [*texts, *measured_warnings(variant)]:
-            yield "warnings", f"{case}warning: {text}"
+            yield "warnings", f"{case}warning: {locate(text, campaign.lines)}"
         for text in doubt_texts(experiment.doubts):
             yield "warnings", f"{case}{text}"
 

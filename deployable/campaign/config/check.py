@@ -62,15 +62,18 @@ def load_config(
     lines |= dict.fromkeys(_keys(overrides or {}), "--config: ")
     try:
         campaign = check_config(config, source or ", ".join(str(path) for path in paths))
-        return replace(campaign, sources=tuple(map(str, paths)))
+        return replace(campaign, sources=tuple(map(str, paths)), lines=lines)
     except ConfigError as error:
-        problems = []
-        for problem in error.problems:
-            key = problem.partition(":")[0]
-            while key and key not in lines:  # the line of the nearest key above
-                key = key.rpartition(".")[0]
-            problems.append(lines.get(key, "") + problem)
-        raise ConfigError(error.source, problems) from None
+        raise ConfigError(error.source, [locate(x, lines) for x in error.problems]) from None
+
+
+def locate(text: str, lines: Mapping[str, str]) -> str:
+    """Put the line of the key with which a text on a config begins, or of the nearest key above,
+    before it. lines: such as `line 3: `, by key."""
+    key = text.partition(":")[0]
+    while key and key not in lines:
+        key = key.rpartition(".")[0]
+    return lines.get(key, "") + text
 
 
 def _add(config: dict, update: Mapping) -> None:
@@ -125,9 +128,12 @@ def check_config(raw: Mapping | str | Path, source: str = "the config") -> Campa
     problems = [units.misfits.get(problem.partition(":")[0], problem) for problem in problems]
     problems = [*dict.fromkeys([*problems, *units.misfits.values()])]
     keys = [f"{problem.partition(':')[0]}." for problem in problems]
-    problems = [  # without those of a section that follow from one of its keys
-        problem for problem, key in zip(problems, keys, strict=True)
+    causes = [problem.partition(":")[2] for problem in problems]
+    problems = [  # without those that follow from a key of the section, or from one that is missing
+        problem for i, (problem, key) in enumerate(zip(problems, keys, strict=True))
         if not any(text != key and text.startswith(key) for text in keys)
+        and not (problem.endswith("allowed: none")
+                 and (causes[i] in causes[:i] or {"quantities.", "responses."} & {*keys}))
     ]  # fmt: skip
     if problems := problems or [*units.unknowns.values()]:
         raise ConfigError(source, problems)

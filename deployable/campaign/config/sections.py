@@ -334,7 +334,7 @@ class Campaign:
     """A whole config, checked and resolved. published: largest width in the literature, by
     response; review: name of the standard of the review sheet; requirements: limits by requirement,
     quantity and kind; cases: what each case changes; case_campaigns: run in the place of this one;
-    sources: files it was read from."""
+    sources: files it was read from; lines: where its keys stand in them, as `line 3: `."""
 
     experiment: Experiment
     bounds: BoundsChoice
@@ -350,6 +350,7 @@ class Campaign:
     case_campaigns: dict[str, Campaign] = field(default_factory=dict)
     measured: dict[str, ResolvedTest] = field(default_factory=dict)
     sources: tuple[str, ...] = ()
+    lines: dict[str, str] = field(default_factory=dict, compare=False)
 
     @property
     def name(self) -> str:

@@ -36,7 +36,7 @@ def panels(data: PageData) -> list[Panel]:
     """Make scatter plots of failing and other runs, one for each pair of the (at most three)
     parameters whose mean differs most between these two groups, or one plot if one parameter alone
     varies; empty where all runs fail, or none does. data: all that the page shows."""
-    if data.verdicts is None or not data.verdicts.tell_apart:
+    if data.verdicts is None or not 0 < data.verdicts.met.sum() < len(data.verdicts.met):
         return []
     coords = [_scale(p, data.verdicts.values[:, k]) for k, p in enumerate(data.parameters)]
     free = [k for k, p in enumerate(data.parameters) if p["upper"] > p["lower"]]
@@ -66,19 +66,6 @@ def _panel(data: PageData, coords: list, runs: np.ndarray, i: int, j: int | None
     frame: Any = tuple((float(x), float(y)) for x, y in feasible) if share > 0 else None
     y_axis = None if j is None else data.parameters[j]
     return Panel(data.parameters[i], y_axis, marks, frame, runs.tolist())
-
-
-def lines(data: PageData) -> list[tuple[int, bool, list[float]]]:
-    """Make the lines of a plot in parallel coordinates, one for each of at most 400 (`MOST_MARKS`)
-    runs: its index in `PageData.verdicts`, whether it meets all requirements, and its parameters,
-    scaled to 0 to 1; failing runs come last, drawn above. Empty where `panels` show all parameters
-    (at most 3), or all runs fail, or none does. data: all that the page shows."""
-    verdicts = data.verdicts
-    if len(data.parameters) <= MOST_PARAMETERS or verdicts is None or not verdicts.tell_apart:
-        return []
-    columns = zip(data.parameters, verdicts.values.T, strict=True)
-    coords, passes = np.array([_scale(*column) for column in columns]).round(4), verdicts.met
-    return [(int(r), bool(passes[r]), coords[:, r].tolist()) for r in _select_marks(passes)]
 
 
 def _select_marks(passes: np.ndarray) -> np.ndarray:

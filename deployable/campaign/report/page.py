@@ -10,7 +10,7 @@ from typing import Any
 from deployable.campaign.files import write_result
 from deployable.campaign.pictures import to_png
 from deployable.campaign.pictures.drawing import draw_moments
-from deployable.campaign.report.failing_region import lines, panels, prices
+from deployable.campaign.report.failing_region import panels, prices
 from deployable.campaign.report.pack import compress, pack_data
 from deployable.campaign.report.read import PageData
 from deployable.campaign.results.templates import environment
@@ -41,7 +41,6 @@ def render(data: PageData) -> str:
             data=data,
             facts=data.facts,
             panels=panels(data),
-            lines=lines(data),
             prices=prices(data.facts),
             style=_text("style.css"),
             script="\n".join(_text(f"js/{name}.js") for name in SCRIPTS),

@@ -69,11 +69,6 @@ class RunVerdicts:
     met: np.ndarray
     numbers: np.ndarray
 
-    @property
-    def tell_apart(self) -> bool:
-        """Whether some runs fail and some meet all requirements."""
-        return 0 < self.met.sum() < len(self.met)
-
 
 @dataclass(frozen=True)
 class WhatIf:

@@ -257,5 +257,5 @@ def _notes(facts: Mapping) -> list[str]:
     notes = [f"{text}." for text in doubts(facts)]
     if "accuracy" in facts and not facts["accuracy"]["met"]:
         notes.append(sentence("accuracy", facts, escapes=False))
-    macros = "missed", "covered", "unreliable"
+    macros = "reliance", "missed", "unreliable"
     return [*notes, *filter(None, (sentence(m, facts, escapes=False).strip() for m in macros))]

@@ -20,7 +20,7 @@ from fpm.errors import SceneError
 _KINDS = {kind: get_args(names) for kind, names in get_type_hints(Display).items()}
 _PLACES = "at", "lower_at", "argmin", "argmax"  # keys of parameter values by name
 _OTHER_KEYS = re.compile(
-    "time|share|ratio|happens|runs|undivided|target|bands|fraction|duration|impossible$|error_share"
+    "time|share|ratio|happens|runs|undivided|target|bands|fraction|duration|error_share"
 )
 """Beginnings of the keys of numbers that are not in the unit of the row that they are in."""
 
@@ -86,7 +86,8 @@ def shown_facts(facts: Mapping[str, Any], experiment: Experiment) -> dict[str, A
     result["deepest"] = conversion.show({"value": facts.get("overlap", 0.0), "units": "rad"})
     result["metre"] = conversion.show({"value": 1.0, "units": "m"})
     for trial in result.get("choice", {"tried": ()})["tried"]:
-        for key, section in (("values", "parameters"), ("goals", "goals")):
+        sections = (("values", "parameters"), ("goals", "goals"), ("margins", "limits"))
+        for key, section in sections:
             pairs = zip(trial[key], result["choice"][section], strict=True)
             trial[key] = [x if x is None else x * row["scale"] for x, row in pairs]
     for pair in result.get("measured", {}).get("trade_offs", ()):

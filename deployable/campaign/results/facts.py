@@ -11,6 +11,7 @@ import numpy as np
 from deployable.campaign.files import read_json
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import Plan, read_plan
+from deployable.campaign.results.quantity_facts import late_peaks, quantity_facts
 from deployable.campaign.results.quantity_results import (
     QuantityResults,
     add_total_error,
@@ -31,11 +32,10 @@ from deployable.campaign.results.run_samples import (
     open_samples,
     read_refinement,
 )
-from deployable.campaign.text import name_response, words_of
-from deployable.campaign.text.numbers import code, percent
+from deployable.campaign.text import name_response
+from deployable.campaign.text.numbers import code
 from deployable.intervals.box import ROUNDING
-from deployable.intervals.estimates import MAX_TAIL_RATIO
-from fpm.elements import Contact, Latch
+from fpm.elements import Contact
 from fpm.errors import SceneError
 
 SMALL = 0.05  # share of the largest difference below which an error is small
@@ -58,85 +58,43 @@ def facts_of(
     experiment, bounds = plan.experiment, read_bounds(folder)
     with open_samples(folder) as samples:
         facts, failures = bounds_facts(bounds, samples, published), [*samples.failures]
-        peaks = _late_peaks(samples, facts["closures"], bounds.time)
-        late_runs = [_late_runs(i, quantity, samples, bounds.time)
-                     for i, quantity in enumerate(experiment.quantity_list)]  # fmt: skip
-    facts |= _structure(experiment, facts["parameters"])
-    facts["quantities"], by_name = [], {}
+        facts |= _structure(experiment, facts["parameters"])
+        facts["quantities"] = quantity_facts(folder, samples, bounds)
+        if facts["overlap"] > SOFT:
+            facts["contacts"] = _contact_names(experiment, facts["fixed"])
+            facts["late_peaks"] = late_peaks(samples, facts["closures"], bounds.time)
     bounds_checks = int(bounds.attributes.get("check_runs", 0))
     runs = {"design": facts["design"]["runs"], "further": 0, "choice": 0, "checks": bounds_checks}
     if experiment.quantities:
         results = QuantityResults.read(folder)
-        facts["quantities"], runs["further"] = results.rows, results.further_runs
+        runs["further"] = results.further_runs
         runs["checks"] += results.check_runs
         failures += read_refinement(folder)[2]
-        by_name = {row["name"]: row for row in facts["quantities"]}
-        for row, quantity, counts in zip(
-            facts["quantities"], experiment.quantity_list, late_runs, strict=True
-        ):
-            row |= words_of(quantity) | ({"unfinished": counts} if counts else {})
-            parts = [by_name[part.name] for part in getattr(quantity, "parts", ())]
-            row["late_parts"] = [  # times that go on beyond the runs, or may have no upper end
-                part["name"] for part in parts if part["censored_at"] or part["may_be_endless"]
-            ]
-            if not row["runs_with"] and (approach := _approach(quantity, experiment, bounds)):
-                row["reached"] = approach
+    facts["failures"] = describe_failures(failures, experiment.intervals)
     for name in answers:
         answer = read_json(folder / f"{name}.json")
         keys = ("requirements", "together") if name == "requirements" else ()
         facts |= {key: answer[key] for key in keys} or {name: answer}
-    least = {
-        quantity.name: quantity.least if quantity.always_exists else None
-        for quantity in experiment.quantity_list
-    }
-    for limit in (limit for row in facts.get("requirements", ()) for limit in row["limits"]):
-        name = limit["quantity"]
-        if reason := why_idle(limit, by_name[name], least[name]):
-            limit["idle"] = reason
     if choice := facts.get("choice"):
         runs["choice"] = choice["runs"]
+        facts["failures"] += choice.pop("failures")
         del choice["fitted"]
-    facts["failures"] = describe_failures(failures, experiment.intervals)
-    facts["failures"] += facts.get("choice", {}).pop("failures", [])
-    facts |= (
-        {"unvaried": names}
-        if (names := experiment.box.constant_names(plan.runs.normalized))
-        else {}
-    )
-    runs["measured"] = facts.get("measured", {}).get("runs", 0)
-    runs["failed"] = len(facts["failures"])
-    rows = [*facts["responses"], *facts["quantities"]]
+    if names := experiment.box.constant_names(plan.runs.normalized):
+        facts["unvaried"] = names
     mark_constant(facts)
-    if plan.adaptive is not None:
-        facts["adaptive"] = {"rounds": [asdict(r) for r in plan.adaptive.rounds]}
-    if experiment.is_adaptive:
-        for row in rows:
-            row["errors"]["target"] = experiment.accuracy.tolerances[row["name"]]
-        facts["accuracy"] = _accuracy(plan, rows)
-        runs["checks"] += facts["accuracy"]["runs"] - runs["design"] - bounds_checks
+    rows = [*facts["responses"], *facts["quantities"]]
     for row in rows:
         if row["name"] in experiment.doubts:
             row["doubt"] = experiment.doubts[row["name"]]
-    if "unseen_from" in bounds.attributes:
-        facts["unseen_from"] = float(bounds.attributes["unseen_from"])
-    if facts["overlap"] > SOFT:
-        facts["contacts"] = _contact_names(experiment, facts["fixed"])
-        facts["late_peaks"] = peaks
+    if plan.adaptive is not None:
+        facts["adaptive"] = {"rounds": [asdict(r) for r in plan.adaptive.rounds]}
+    if experiment.is_adaptive:
+        facts["accuracy"] = _accuracy(plan, rows)
+        runs["checks"] += facts["accuracy"]["runs"] - runs["design"] - bounds_checks
+    runs["measured"] = facts.get("measured", {}).get("runs", 0)
+    runs["failed"] = len(facts["failures"])
     facts["runs"] = {**runs, "all": sum(runs.values())}
     return facts
-
-
-def why_idle(limit: Mapping, row: Mapping, least: float | None) -> str | None:
-    """Return why a limit cannot fail, so that to meet it says nothing: its quantity has a physical
-    lower bound, or the other sign in all runs, as where the size of a signed number is meant; None
-    if it can fail. limit: its dict in the results; row: that of the quantity; least: that bound."""
-    sign = {"at_most": 1, "at_least": -1}.get(limit["kind"], 0)
-    if sign < 0 and least is not None and limit["level"] <= least:
-        return f"is never below {least:g}"
-    end = row["upper" if sign > 0 else "lower"]
-    if not sign or end is None or not sign * limit["level"] > 0 > sign * end:
-        return None
-    return f"is {'negative' if sign > 0 else 'positive'} in all runs"
 
 
 def mark_constant(facts: dict) -> None:
@@ -208,6 +166,8 @@ def bounds_facts(
             )
         ],
     }  # fmt: skip
+    if "unseen_from" in attributes:
+        facts["unseen_from"] = float(attributes["unseen_from"])
     if bounds.responses[0].growth is not None:
         facts["scan"] = {key: attributes[key].item() for key in _SCAN}
     return facts
@@ -227,18 +187,6 @@ def _structure(experiment: Any, parameters: list[dict]) -> dict[str, Any]:
     ]  # fmt: skip
     description = experiment.scene_type.description.strip().rstrip(".")
     return {"about": description, "fixed": fixed}
-
-
-def _late_peaks(samples: RunSamples, closures: list[dict], time: np.ndarray) -> list[str]:
-    """Return the quantities that are peaks after the first contact, in the nominal run."""
-    responses, names = samples.experiment.response_list, []
-    for quantity in samples.experiment.quantity_list if closures else ():
-        choose = {"largest": np.argmax, "smallest": np.argmin}.get(quantity.kind)
-        if choose and quantity.response in responses and not samples.keeps_extremes:
-            nominal: Any = samples.nominal
-            (curve,) = samples.curves(nominal, [responses.index(quantity.response)])
-            names += [quantity.name] * bool(time[choose(curve)] > closures[0]["time"])
-    return names
 
 
 def _contact_names(experiment: Any, fixed: Iterable[Mapping]) -> list[str]:
@@ -270,7 +218,6 @@ def _response(
         "size": float(max(np.abs(bounds.lower).max(), np.abs(bounds.upper).max())),
         "published": published,
         "ratio_to_published": None if not published else float(width[instant] / published),
-        "mean_difference": _mean(width, time),
         "error_at_largest_difference": None,
     }
     if bounds.abscissa:
@@ -283,9 +230,6 @@ def _response(
         )
         row |= {"largest_error": worst, "time_of_largest_error": float(time[largest]),
                 "error_at_largest_difference": error}  # fmt: skip
-        runs = int(campaign.attributes["held_out_runs"])
-        if extrapolation := _extrapolated_error(bounds, instant, runs):
-            row["extrapolated_error"] = extrapolation
     row["grade"] = grade(row["error_at_largest_difference"], row["largest_difference"])
     row["trusted"] = _largest_trusted(bounds)
     if (start := campaign.attributes.get("undivided_from", np.inf)) <= time[instant]:
@@ -296,20 +240,10 @@ def _response(
         parts = [name for name in COMPONENTS if name in bounds.errors]
         errors = {name: _mean(bounds.errors[name], time) for name in parts}
         row["errors"] = add_total_error(errors, _mean(width, time))
-    row["impossible_by"], row["time_of_impossible"] = bounds.impossible
     if bounds.shares is not None:
         names = [parameter["name"] for parameter in campaign.parameters]
         row["shares"] = dict(zip(names, map(number, bounds.shares), strict=True))
     return row
-
-
-def _extrapolated_error(bounds: ResponseBounds, instant: int, runs: int) -> dict[str, float]:
-    """Return how far the fit misses `runs` runs, and `runs`, if the decay of the coefficients
-    predicts a far larger error; else nothing."""
-    if "polynomial" not in bounds.kind:
-        return {}
-    decay, residual = (float(bounds.errors[name][instant]) for name in ("decay", "held_out"))
-    return {"missed": residual, "runs": runs} if decay > MAX_TAIL_RATIO * residual else {}
 
 
 def _mean(curve: np.ndarray, time: np.ndarray) -> float:
@@ -338,88 +272,36 @@ def grade(error: float | None, width: float) -> str:
 
 
 def _accuracy(plan: Plan, rows: Iterable[Mapping]) -> dict[str, Any]:
-    """Return whether an accuracy is `met`, by the last errors of responses and quantities (rows),
-    which are `unmet`; why rounds and searches ended, as sentences; mesh, runs, core seconds."""
+    """Return whether an accuracy is `met`, by the last errors of responses and quantities (rows,
+    which get their `target`), which are `unmet`; why rounds and searches ended, as sentences; mesh,
+    runs, core seconds."""
     last, experiment = plan.adaptive.rounds[-1], plan.experiment
+    for row in rows:
+        row["errors"]["target"] = experiment.accuracy.tolerances[row["name"]]
     mesh = experiment.accuracy.mesh
     intervals = [
         row for row in rows
         if row.get("lower", 0.0) is not None
         and not ("constant" in row and row.get("runs_with", 2) > 1)
     ]  # fmt: skip
-    unmet = [row["name"] for row in intervals if not _is_met(**row["errors"])]
+    unmet = [  # by shares as printed
+        row["name"] for row in intervals if row["errors"]["share"] is None
+        or float(f"{row['errors']['share']:.3g}") > row["errors"]["target"]
+    ]  # fmt: skip
     texts = [] if plan.adaptive.met else [f"The rounds ended as {last.reason}"]
     texts += [f"The search for the bounds of {row['name']} ended as {row['search_end']}"
               for row in intervals if row["name"] in unmet and row.get("search_end")]  # fmt: skip
     texts = texts or ["Finer steps and meshes change bounds too much"]
-    reason = ". ".join(text.removesuffix(".") for text in texts)
-    if not unmet and intervals:
-        row = max(intervals, key=lambda row: row["errors"]["share"] / row["errors"]["target"])
-        share, target = row["errors"]["share"], row["errors"]["target"]
-        reason = f"the error of {row['name']} is nearest to its target"
-        reason += f", {percent(share)} of {percent(target)}"
     return {
         "met": not unmet,
         "unmet": unmet,
         "others": len(intervals) - len(unmet),
-        "reason": reason,
+        "reason": ". ".join(text.removesuffix(".") for text in texts if unmet),
         "rounds": len(plan.adaptive.rounds),
         "mesh": {mesh: experiment.scene.parameters[mesh]} if mesh else {},
         "runs": last.runs,
         "seconds": last.seconds,
     }
-
-
-def _is_met(share: float | None, target: float, **_: Any) -> bool:
-    """Return whether a share meets its target, as printed with three digits."""
-    return share is not None and float(f"{share:.3g}") <= target
-
-
-def _approach(quantity: Any, experiment: Any, bounds: CampaignBounds) -> dict[str, Any]:
-    """Return how close the response of an event comes to its level over the box, when (s), and
-    whether it still `moves` then, at the end of the run. Empty if there is no such response."""
-    response, level = _find_level(quantity, experiment)
-    if response is None:
-        return {}
-    row = next(row for row in bounds.responses if row.name == response.name)
-    curves, time = np.array([row.lower, row.upper]), row.time
-    side, instant = np.unravel_index(np.argmin(np.abs(curves - level)), curves.shape)
-    value = float(curves[side, instant]) + 0.0  # no -0
-    return {"name": response.name, "units": response.unit, "value": value, "level": level,
-            "time": float(time[instant]), "moves": bool(instant >= 0.98 * len(time))}  # fmt: skip
-
-
-def _find_level(quantity: Any, experiment: Any) -> tuple[Any, float | None]:
-    """Return the response of a crossing, or of a latch's joint, and the level that it has to reach;
-    None for both if there is no such response."""
-    if quantity.event == "latches":
-        scene = experiment.nominal_scene
-        latch = Latch.find(scene)[Latch.names(scene).index(quantity.places[0])]
-        opening = "opening", (scene.hinges[latch.hinge].name,)
-        matches = (c for c in experiment.response_list if (c.kind, c.subjects) == opening)
-        return next(matches, None), latch.angle
-    return (quantity.response, quantity.level) if quantity.kind == "crossing" else (None, None)
-
-
-def _late_runs(index: int, quantity: Any, samples: RunSamples, time: np.ndarray) -> dict[str, Any]:
-    """Count the design's runs without an event, whose quantity has this index, by what they do at
-    their end: those that are `late` would reach the level within another duration at their last
-    rate; those that are `stuck` would not, one of them `at` a place. Empty where nothing tells."""
-    response, level = _find_level(quantity, samples.experiment)
-    rows = np.flatnonzero(np.isnan(samples.table.numbers[:, index]))
-    if response is None or samples.keeps_extremes or not len(rows):
-        return {}
-    number = samples.experiment.response_list.index(response)
-    last = np.searchsorted(time, time[0] + 0.98 * (time[-1] - time[0]))
-    gaps = np.array([abs(samples.curves(int(r), [number])[0, [last, -1]] - level) for r in rows])
-    rates = (gaps[:, 0] - gaps[:, 1]) / (time[-1] - time[last])
-    stuck = rows[rates * (time[-1] - time[0]) < gaps[:, 1]]
-    names = samples.experiment.intervals
-    place = (
-        dict(zip(names, samples.table.values[stuck[0]].tolist(), strict=True)) if len(stuck) else {}
-    )
-    return {"name": response.name, "late": len(rows) - len(stuck), "stuck": len(stuck), "at": place,
-            "duration": float(time[-1] - time[0])}  # fmt: skip
 
 
 def decisive(row: Mapping) -> str | None:
@@ -472,22 +354,49 @@ def scarcest(limits: Iterable[Mapping]) -> Mapping | None:
     return min(rows, key=lambda limit: limit["margin"] / limit["error"], default=None)
 
 
-def tightest(requirements: Iterable[Mapping]) -> str | None:
-    """Name the quantity of the limit with the smallest margin relative to its level, if any."""
-    limits = [x for row in requirements for x in row["limits"] if x["margin"] is not None]
-    least: Mapping = min(limits, key=lambda x: x["margin"] / (abs(x["level"]) or 1.0), default={})
-    return least.get("quantity")
-
-
 def missing_only(requirements: Iterable[Mapping], quantities: Iterable[Mapping]) -> list[str]:
     """Name the requirements that fail only where their quantity does not exist."""
-    return [row["name"] for row in requirements if happens_only(row, quantities)]
+    rows = [row for row in requirements if None in [x["margin"] for x in row["limits"]]]
+    return [row["name"] for row in rows if happens_only(row, quantities)]
 
 
 def is_tight(choice: Mapping) -> bool:
     """Return whether a limit's margin is less than twice its error. choice: section of the facts"""
+    return _room(choice) < 2
+
+
+def _room(choice: Mapping) -> float:
+    """Return the smallest margin of a choice relative to its error; infinite without errors."""
     limit = scarcest(choice["limits"])
-    return limit is not None and limit["margin"] < 2 * limit["error"]
+    return np.inf if limit is None else limit["margin"] / limit["error"]
+
+
+def roomier(choice: Mapping) -> Mapping | None:
+    """Return the tried choice that has the most room to the limits, with the errors of the fit over
+    all choices, if the best choice is tight and this one keeps all limits by more than errors; None
+    if there is no such choice. choice: section of the facts."""
+    sections = {"parameters": "values", "goals": "goals", "limits": "margins"}
+    rows = [
+        {section: [row | {"value": x, "margin": x, "error": row.get("fit_error")}
+                   for row, x in zip(choice[section], trial[key], strict=True)]
+         for section, key in sections.items()}
+        for trial in choice["tried"] if trial["kept"]
+    ]  # fmt: skip
+    best = max(rows, key=_room, default=choice)
+    return best if is_tight(choice) and _room(best) > max(1.0, _room(choice)) else None
+
+
+def worst_limit(limits: Iterable[Mapping]) -> Mapping:
+    """Return the limit with the smallest margin relative to its level; one without a margin is
+    better than all if it is kept, else worse."""
+    return min(limits, key=lambda x: (1 if x["kept"] else -1) * np.inf if x["margin"] is None
+               else x["margin"] / (abs(x["level"]) or 1.0))  # fmt: skip
+
+
+def contact_bound(facts: Mapping) -> list[Mapping]:
+    """Return the requirements on peaks after the first contact, which depend on its stiffness."""
+    rows, peaks = facts.get("requirements", ()), facts.get("late_peaks", ())
+    return [row for row in rows if any(x["quantity"] in peaks for x in row["limits"])]
 
 
 def happens_only(row: Mapping, quantities: Iterable[Mapping]) -> str | None:

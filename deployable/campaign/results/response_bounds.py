@@ -24,7 +24,7 @@ class ResponseBounds:
     components of the error (T) by name, "held_out", "decay", and, where these were checked, those
     of `COMPONENTS`; error_shares: those of `COMPONENTS` as fractions of the width, both integrated
     over time; least, most: what bounds are within, for physical reasons, such as 0, NaN where
-    there is no limit; impossible: largest distance of the model beyond these, and when (s); growth
+    there is no limit; growth
     (T): of a scan's bounds with the last quarter of its runs; abscissa: the horizontal axis where
     it is not time, such as a hinge's opening: a dict of `words`, `unit`, `first` and `last` value,
     and the `duration` (s) onto which these are mapped.
@@ -47,7 +47,6 @@ class ResponseBounds:
     error_shares: Mapping[str, float] = field(default_factory=dict)
     least: float = np.nan
     most: float = np.nan
-    impossible: tuple[float, float] = (0.0, 0.0)
     growth: np.ndarray | None = None
     abscissa: Mapping[str, Any] | None = None
     widths: Any = None
@@ -111,8 +110,6 @@ def read_bounds(folder: Folder, of_design: bool = False) -> CampaignBounds:
             "name": file["response"][:], "units": file["response_units"][:],
             "long_name": file["response_long_name"][:],
             "growth": _column(file, "growth_quarter"),
-            "impossible": [*zip(*(file[f"largest_impossible{end}"][:].tolist()
-                                  for end in ("", "_time")), strict=True)],
             "abscissa": [(axis := json.loads(text)) and axis | {"duration": float(time[-1])}
                          for text in _column(file, "response_along", nones)],
         }  # fmt: skip

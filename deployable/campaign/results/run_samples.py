@@ -136,18 +136,16 @@ class RunSamples:
 
     def count(self) -> dict[str, Any]:
         """Count the different runs: all `runs`; `nodes`, that were fitted; `held_out`, which test
-        the fit; `nominal_among_them`, whether the nominal run is a node or held out."""
+        the fit."""
         if self.keeps_extremes:
-            counts = len(self) - 1, 0, len(self), False
+            counts = len(self) - 1, 0, len(self)
         else:
             ids: dict[str, set] = {role: set() for role in ROLES}
             for role, run in zip(self.roles, self.ids(), strict=True):
                 ids[role].add(run)
             nominal, nodes, held_out, _ = ids.values()
-            design = nodes | held_out
-            is_among_them = bool(nominal & design)
-            counts = len(nodes), len(held_out - nodes), len(design | nominal), is_among_them
-        return dict(zip(("nodes", "held_out", "runs", "nominal_among_them"), counts, strict=True))
+            counts = len(nodes), len(held_out - nodes), len(nodes | held_out | nominal)
+        return dict(zip(("nodes", "held_out", "runs"), counts, strict=True))
 
     def events(self, rows: Sequence[int]) -> list[np.ndarray]:
         """Events (e, 3) of each of some runs (indices): time (s), index into `contacts`, 1 where

@@ -46,10 +46,10 @@ def environment(units: Iterable[str] = (), html: bool = False) -> Any:
     )  # fmt: skip
     filters = {
         numbers: ("number", "quantity", "percent", "share", "interval", "place", "spread", "pretty",
-                  "position", "with_error", "earliest", "code"),
+                  "position", "with_error", "code"),
         facts: ("decisive", "moments", "happens_only", "has_effect", "fitted_width", "scarcest",
-                "is_tight", "tightest", "missing_only", "largest", "gains", "best_halvings",
-                "worst_case"),
+                "is_tight", "missing_only", "largest", "gains", "best_halvings",
+                "worst_case", "worst_limit", "roomier", "contact_bound"),
     }  # fmt: skip
     for module, names in filters.items():
         env.filters |= {name: getattr(module, name) for name in names}

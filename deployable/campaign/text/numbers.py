@@ -42,21 +42,15 @@ def quantity(value: float | None, units: str, digits: int = 3, missing: str = "u
     return missing if value is None else with_unit(number(value, digits), units)
 
 
-def with_error(value: float, error: float | None, units: str) -> str:
-    """Write a number with its error, both rounded to the first digit of the error: `0.062 ± 0.005
+def with_error(value: float, error: float | None, units: str, digits: int = 1) -> str:
+    """Write a number with its error, both rounded to so many digits of the error: `0.062 ± 0.005
     m/s`; units: of both, as in files (`m s-1`). The number alone, with three digits, where the
     error is None, 0 or below a thousandth of it."""
     if not error or error < 1e-3 * abs(value):
         return quantity(value, units)
-    places = -_power(error)
-    text = [f"{v:z.{places}f}" if 0 <= places <= 9 else number(v, 1) for v in (value, error)]
+    places = digits - 1 - _power(error)
+    text = [f"{v:z.{places}f}" if 0 <= places <= 9 else number(v, digits) for v in (value, error)]
     return with_unit(" ± ".join(text).replace("-", "−"), units)
-
-
-def earliest(row: Mapping[str, Any]) -> str:
-    """Write the lower bound of a quantity with its unit, such as `0.31 s`, rounded as `interval`
-    does. row: the quantity's dict in `summary.json` (`facts_of`): lower, upper, error, units."""
-    return with_unit(_ends(row)[0], row["units"])
 
 
 def with_unit(text: str, units: str) -> str:
@@ -78,7 +72,7 @@ def share(share: float, open_: float = 0.0) -> str:
     if half_width < min(OPEN, max(min(percent, 100 - percent), 0.01) / 10):
         if 0 < percent < 0.01 or 99.99 < percent < 100:
             return "less than 0.01 %" if percent < 50 else "more than 99.99 %"
-        return f"{percent:.4g} %"
+        return f"{percent:.2f}".rstrip("0").rstrip(".") + " %"
     places = max(0, -int(np.floor(np.log10(half_width))))
     least = 10.0**-places
     half_width = np.ceil(half_width / least - 1e-9) * least
@@ -104,25 +98,21 @@ def interval(row: Mapping[str, Any]) -> str:
     difference."""
     if row["lower"] is None:
         return ""
-    ends = _ends(row)
-    if row.get("censored_at"):
-        most = quantity(row["censored_at"], row["units"])
-        return f"{ends[0]} to more than {most} (the end of the runs)"
-    text = with_unit(f"{ends[0]} to {ends[1]}", row["units"])
-    return f"{text} (it may have no upper end)" if row.get("may_be_endless") else text
-
-
-def _ends(row: Mapping[str, Any]) -> list[str]:
-    """Return the ends of an interval as `interval` writes them, without their unit."""
     lower, upper = row["lower"], row["upper"]
     error, width = row.get("error") or 0.0, upper - lower
     size = max(abs(lower), abs(upper))
     places = -_power(width or 1e-3 * size or 1.0) + 2
     if error > 0 < width:
         places = min(places, -_power(min(error, width / 10)))
-    if not 0 <= places <= 9:
-        return [number(end, max(1, min(9, places + 1 + _power(size)))) for end in (lower, upper)]
-    return [f"{end:z.{places}f}".replace("-", "−") if end else "0" for end in (lower, upper)]
+    if 0 <= places <= 9:
+        ends = [f"{x:z.{places}f}".replace("-", "−") if x else "0" for x in (lower, upper)]
+    else:
+        ends = [number(x, max(1, min(9, places + 1 + _power(size)))) for x in (lower, upper)]
+    if row.get("censored_at"):
+        most = quantity(row["censored_at"], row["units"])
+        return f"{ends[0]} to more than {most} (the end of the runs)"
+    text = with_unit(f"{ends[0]} to {ends[1]}", row["units"])
+    return f"{text} (it may have no upper end)" if row.get("may_be_endless") else text
 
 
 def _power(value: float) -> int:

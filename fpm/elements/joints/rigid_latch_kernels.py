@@ -8,8 +8,11 @@ from fpm.elements.openings import latch_kernels as latch
 from fpm.elements.openings.latch_kernels import (
     AGE,
     CATCH_IMPULSE,
+    CHANGE,
+    FIRST_RATE,
     FREE_END,
     IMPACT,
+    LEAD,
     PREDICTION,
     SEARCH_END,
     SEARCH_SHARE,
@@ -37,14 +40,14 @@ register_losses(Latches, WORKS)
 def prepare(part, world, timing):
     """Store in part.rates the mean rates of the latches' joint coordinates in the step that ended,
     after the last catch in it, before the next is solved."""
-    if timing.time > 0.0:
-        for i in range(part.hinge.shape[0]):
-            if part.turn[i] < 0:
-                continue
+    for i in range(part.hinge.shape[0]):
+        if part.turn[i] >= 0 and timing.time > 0.0:
             share, rate = load(part.state, i, SEARCH_SHARE), load(part.rates, i, LAST)
             mean = half_rate(part.openings, part.hinge[i], timing)
             store(part.rates, i, LAST, where_negative(-share, rate, mean))
+            store(part.state, i, LEAD, 0.5 - 0.5 * share)
             store(part.state, i, SEARCH_SHARE, 0.0 * share)
+            latch.store_path(part, i, 0.0 * share, 0.0 * share)
 
 
 @kernel
@@ -67,26 +70,45 @@ def decide(part, world, timing):
         find_catch_impulse(part, world, timing, i)
         start, prediction = load(part.state, i, SEARCH_END), predict(part, i, timing)
         store(part.state, i, PREDICTION, prediction)
-        reach = latch.reach_of(part, i, start, prediction)
+        find_path(part, i, start, prediction, timing)
+        reach = latch.reach_of(part, i, start, prediction, timing.step * load(part.rates, i, LAST))
         open_ = 0.5 - load(part.state, i, latch.IS_CAUGHT) - load(part.state, i, latch.NEWS)
         if any_negative(where_negative(open_, 1.0, reach)):
-            end = timing.time + timing.step
             for s in range(part.state.shape[2]):
                 if part.state[i, latch.IS_CAUGHT, s] + part.state[i, latch.NEWS, s] == 0.0:
-                    first, last = part.state[i, SEARCH_END, s], part.state[i, PREDICTION, s]
-                    rate, span = part.rates[i, LAST, s], timing.step
-                    if part.state[i, SEARCH_SHARE, s] > 0.0:
-                        span *= max(1.0 - part.state[i, SEARCH_SHARE, s], SAME_TIME)
-                        rate = (last - first) / span
-                    if timing.time == 0.0:
-                        latch.pass_by(part, i, s, first, first, rate, 0.0, timing.step)
-                    if part.state[i, latch.IS_CAUGHT, s] + part.state[i, latch.NEWS, s] == 0.0:
-                        latch.pass_by(part, i, s, first, last, rate, end, span)
+                    search(part, i, s, timing)
                     if part.state[i, latch.IS_CAUGHT, s] > 0.0:
                         is_any_caught = True
     if is_any_caught:
         for s in range(part.state.shape[2]):
             hold_first(part, world, timing, s)
+
+
+@kernel
+def find_path(part, i, start, prediction, timing):
+    """Store the path of latch i's coordinate from `start` to its `prediction` (rad): a parabola by
+    the rate before, straight after another latch caught. One that turns back stays as it was first
+    solved up to there: friction that turns or holds changes what follows."""
+    share, last = load(part.state, i, SEARCH_SHARE), load(part.rates, i, LAST)
+    rest = where_negative(1.0 - share - SAME_TIME, SAME_TIME, 1.0 - share)
+    mean = (prediction - start) / (timing.step * rest)
+    change = (mean - last) / (0.5 + load(part.state, i, LEAD))
+    change = where_negative(-share, 0.0, change)
+    old, old_change = load(part.state, i, FIRST_RATE), load(part.state, i, CHANGE)
+    is_kept = where_negative(-share, 1.0, old * (old + old_change))
+    rate = where_negative(is_kept, old, mean - 0.5 * change)
+    latch.store_path(part, i, rate, where_negative(is_kept, old_change, change))
+
+
+@kernel
+def search(part, i, s, timing):
+    """Find out whether latch i of sample s catches or misses in what is left of this step."""
+    share, start = part.state[i, SEARCH_SHARE, s], part.state[i, SEARCH_END, s]
+    if timing.time == 0.0 and share == 0.0:
+        latch.catch_at_start(part, i, s, start, part.rates[i, LAST, s])
+    if part.state[i, latch.NEWS, s] == 0.0:
+        time, span = timing.time + share * timing.step, max(1.0 - share, SAME_TIME) * timing.step
+        latch.follow_path(part, i, s, start, part.state[i, PREDICTION, s], time, span)
 
 
 @kernel
@@ -146,11 +168,11 @@ def hold_first(part, world, timing, s):
             part.turns.impact[0, 0, s] = share
             world.undecided[0] = 1
         else:
-            last_share, last = part.state[i, SEARCH_SHARE, s], part.state[i, SEARCH_END, s]
+            last_share = part.state[i, SEARCH_SHARE, s]
             if last_share < 1.0:
                 part_of_rest = (share - last_share) / (1.0 - last_share)
-                last += part_of_rest * (part.state[i, PREDICTION, s] - last)
-            part.state[i, SEARCH_END, s] = last
+                mean = part.state[i, FIRST_RATE, s] + 0.5 * part_of_rest * part.state[i, CHANGE, s]
+                part.state[i, SEARCH_END, s] += (share - last_share) * timing.step * mean
             part.state[i, SEARCH_SHARE, s] = share
 
 

@@ -2,7 +2,7 @@
 
 import math
 
-from fpm.elements.joints.joint_arrays import HOLDS, RATE, SOLVED_IMPULSE, TARGET
+from fpm.elements.joints.joint_arrays import FREE_RATE, HOLDS, RATE, SOLVED_IMPULSE, TARGET
 from fpm.elements.joints.turn_kernels import begin_loss, end_work, moment_of, register_losses
 from fpm.elements.openings import latch_kernels as latch
 from fpm.elements.openings.latch_kernels import (
@@ -29,6 +29,9 @@ from fpm.kernels.vectors import kernel
 SAME_TIME = 1e-9
 """Share of a step within which latches catch at one time."""
 
+LATCHED = -2.0
+"""HOLDS of what a latch holds: friction on the same joint bears nothing then."""
+
 KNOWN_AGE = 9.0
 """Age of a latch whose impulse of the catch is known."""
 
@@ -47,7 +50,6 @@ def prepare(part, world, timing):
             store(part.rates, i, LAST, where_negative(-share, rate, mean))
             store(part.state, i, LEAD, 0.5 - 0.5 * share)
             store(part.state, i, SEARCH_SHARE, 0.0 * share)
-            latch.store_path(part, i, 0.0 * share, 0.0 * share)
 
 
 @kernel
@@ -70,7 +72,8 @@ def decide(part, world, timing):
         find_catch_impulse(part, world, timing, i)
         start, prediction = load(part.state, i, SEARCH_END), predict(part, i, timing)
         store(part.state, i, PREDICTION, prediction)
-        find_path(part, i, start, prediction, timing)
+        turns, t = part.turns.state, part.turn[i]
+        latch.find_path(part, i, load(turns, t, RATE), load(turns, t, FREE_RATE))
         reach = latch.reach_of(part, i, start, prediction, timing.step * load(part.rates, i, LAST))
         open_ = 0.5 - load(part.state, i, latch.IS_CAUGHT) - load(part.state, i, latch.NEWS)
         if any_negative(where_negative(open_, 1.0, reach)):
@@ -85,29 +88,16 @@ def decide(part, world, timing):
 
 
 @kernel
-def find_path(part, i, start, prediction, timing):
-    """Store the path of latch i's coordinate from `start` to its `prediction` (rad): a parabola by
-    the rate before, straight after another latch caught. One that turns back stays as it was first
-    solved up to there: friction that turns or holds changes what follows."""
-    share, last = load(part.state, i, SEARCH_SHARE), load(part.rates, i, LAST)
-    rest = where_negative(1.0 - share - SAME_TIME, SAME_TIME, 1.0 - share)
-    mean = (prediction - start) / (timing.step * rest)
-    change = (mean - last) / (0.5 + load(part.state, i, LEAD))
-    change = where_negative(-share, 0.0, change)
-    old, old_change = load(part.state, i, FIRST_RATE), load(part.state, i, CHANGE)
-    is_kept = where_negative(-share, 1.0, old * (old + old_change))
-    rate = where_negative(is_kept, old, mean - 0.5 * change)
-    latch.store_path(part, i, rate, where_negative(is_kept, old_change, change))
-
-
-@kernel
 def search(part, i, s, timing):
     """Find out whether latch i of sample s catches or misses in what is left of this step."""
     share, start = part.state[i, SEARCH_SHARE, s], part.state[i, SEARCH_END, s]
+    time, span = timing.time + share * timing.step, max(1.0 - share, SAME_TIME) * timing.step
+    if share > 0.0:
+        part.state[i, FIRST_RATE, s] = (part.state[i, PREDICTION, s] - start) / span
+        part.state[i, CHANGE, s] = 0.0
     if timing.time == 0.0 and share == 0.0:
         latch.catch_at_start(part, i, s, start, part.rates[i, LAST, s])
     if part.state[i, latch.NEWS, s] == 0.0:
-        time, span = timing.time + share * timing.step, max(1.0 - share, SAME_TIME) * timing.step
         latch.follow_path(part, i, s, start, part.state[i, PREDICTION, s], time, span)
 
 
@@ -131,6 +121,17 @@ def find_catch_impulse(part, world, timing, i):
 def solved_impulse(part, world, i, s):
     """Return the impulse (N m s) of latch i of sample s as the joints were last solved."""
     return world.resistance[0, 0, s] * part.turns.state[part.turn[i], SOLVED_IMPULSE, s]
+
+
+@kernel
+def is_alone(part, i, s):
+    """Return whether no other latch holds the joint coordinate of latch i of sample s, which then
+    bears nothing."""
+    result = True
+    for t in range(part.turns.hinge.shape[0]):
+        if part.turns.hinge[t] == part.hinge[i] and part.turns.state[t, HOLDS, s] == LATCHED:
+            result = False
+    return result
 
 
 @kernel
@@ -161,17 +162,22 @@ def hold_first(part, world, timing, s):
             continue
         if part.state[i, latch.NEWS, s] > 0.0 and time > first + SAME_TIME * timing.step:
             part.state[i, latch.IS_CAUGHT, s] = part.state[i, latch.NEWS, s] = 0.0
-        if part.state[i, latch.IS_CAUGHT, s] > 0.0:
-            part.turns.state[t, HOLDS, s] = -1.0
+        if part.state[i, latch.IS_CAUGHT, s] > 0.0 and is_alone(part, i, s):
+            part.turns.state[t, HOLDS, s] = LATCHED
             part.turns.state[t, TARGET, s] = part.state[i, latch.HOLD_ANGLE, s]
             part.state[i, FREE_END, s] = part.state[i, PREDICTION, s]
             part.turns.impact[0, 0, s] = share
             world.undecided[0] = 1
+        elif part.state[i, latch.IS_CAUGHT, s] > 0.0:
+            part.state[i, AGE, s] = KNOWN_AGE
         else:
             last_share = part.state[i, SEARCH_SHARE, s]
             if last_share < 1.0:
                 part_of_rest = (share - last_share) / (1.0 - last_share)
                 mean = part.state[i, FIRST_RATE, s] + 0.5 * part_of_rest * part.state[i, CHANGE, s]
+                if last_share > 0.0:
+                    rest = part.state[i, PREDICTION, s] - part.state[i, SEARCH_END, s]
+                    mean = rest / ((1.0 - last_share) * timing.step)
                 part.state[i, SEARCH_END, s] += (share - last_share) * timing.step * mean
             part.state[i, SEARCH_SHARE, s] = share
 
@@ -187,7 +193,7 @@ def work_after(part, world, timing):
             continue
         moment = moment_of(part.turns, part.turn[i], timing, world)
         if timing.time == 0.0:
-            begin_loss(part, world, timing, i, moment, WORKS)
+            begin_loss(part, world, timing, i, moment, moment, WORKS)
         impulse = timing.kick * moment
         store(part.state, i, latch.MOMENT, moment)
         store(part.state, i, latch.IMPULSE, load(part.state, i, latch.IMPULSE) + impulse)

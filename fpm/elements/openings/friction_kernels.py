@@ -11,6 +11,7 @@ from fpm.elements.joints.turn_kernels import (
     add_late_moment,
     begin_loss,
     end_work_of,
+    is_latched,
     moment_of,
     register_losses,
 )
@@ -158,6 +159,7 @@ def slow_down(part, world, i, timing):
     hold = load(part.turns.state, part.turn[i], HOLDS)
     moment = -1.0 * load(part.state, i, SIGN) * load(part.numbers, i, FRICTION)
     moment = where_negative(hold, 0.0, moment)
+    moment = where_negative(is_latched(part.turns, h, part.turn[i]), 0.0, moment)
     store(part.state, i, BRAKE, moment)
     store(part.state, i, LAST_BRAKE, moment)
     store(part.state, i, CHANGES_LEFT, CHANGES)
@@ -256,6 +258,9 @@ def decide(part, world, timing):
     for i in range(part.hinge.shape[0]):
         if part.turn[i] < 0:
             continue
+        latched = is_latched(part.turns, part.hinge[i], part.turn[i])
+        if any_negative(latched):
+            relieve(part, world, timing, i, latched)
         t, changes = part.turn[i], load(part.state, i, CHANGES_LEFT)
         hold, sign = load(part.turns.state, t, HOLDS), load(part.state, i, SIGN)
         reserve = load(part.numbers, i, FRICTION) - absolute(
@@ -266,8 +271,30 @@ def decide(part, world, timing):
         slips = where_negative(hold, reserve, 1.0)
         turns = where_negative(is_first, 1.0, speed)
         sticks = where_negative(is_first, where_negative(changes - 1.5, 1.0, speed), 1.0)
+        slips = where_negative(latched, 1.0, slips)
+        turns = where_negative(latched, 1.0, turns)
+        sticks = where_negative(latched, 1.0, sticks)
         if any_negative(slips) or any_negative(turns) or any_negative(sticks):
             change(part, world, timing, i, slips, turns, sticks)
+
+
+@kernel
+def relieve(part, world, timing, i, latched):
+    """Let element i bear nothing where `latched` (lanes) is below 0, as a latch holds its joint
+    from part.turns.impact on: in the kick of that step it brakes up to then."""
+    t, old = part.turn[i], load(part.state, i, BRAKE)
+    hold, changes = load(part.turns.state, t, HOLDS), load(part.state, i, CHANGES_LEFT)
+    share, last = load(part.turns.impact, 0, 0), load(part.state, i, LAST_BRAKE)
+    share = 2.0 * share if timing.time == 0.0 else 0.5 + share
+    brake = share * where_negative(-absolute(last), last, old)
+    is_new = where_negative(latched, -0.5 - changes, 1.0)
+    brake = where_negative(is_new, brake, old)
+    if any_negative(-absolute(brake - old)) or any_negative(where_negative(is_new, hold, 1.0)):
+        push(part.openings, world, part.hinge[i], (brake - old) / mean_force(world, timing))
+        world.undecided[0] = 1
+    store(part.state, i, BRAKE, brake)
+    store(part.state, i, CHANGES_LEFT, where_negative(is_new, -1.0, changes))
+    store(part.turns.state, t, HOLDS, where_negative(latched, 1.0, hold))
 
 
 @kernel
@@ -324,4 +351,4 @@ def work_after(part, world, timing):
         add_late_moment(part.openings.moments, part.openings, part.hinge[i], late_moment)
         end_work_of(part, world, i, moment, WORKS, -1.0)
         if timing.time == 0.0:
-            begin_loss(part, world, timing, i, moment, WORKS)
+            begin_loss(part, world, timing, i, moment, late_moment, WORKS)

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fpm.elements.joints.joint_arrays import Turns
+from fpm.elements.joints.joint_arrays import FREE_RATE, Turns
 from fpm.elements.openings.losses_kernels import RATE, add_loss, follow_rate, onset, press
 from fpm.elements.openings.opening_kernels import NEW, OLD, Openings, turn
 from fpm.kernels.hooks import hook
@@ -79,10 +79,13 @@ def watch(part, i, h, timing):
     start, end = load(angles, h, OLD), load(angles, h, NEW)
     reach = reach_of(part, i, start, end, timing.step * last)
     if any_negative(where_negative(0.5 - load(part.state, i, IS_CAUGHT), 1.0, reach)):
-        lead = 0.0 if timing.time < 1.5 * timing.step else 0.5
+        store(part.state, i, LEAD, 0.0 if timing.time < 1.5 * timing.step else 0.5)
         mean = (end - start) * (1.0 / timing.step)
-        change = (mean - last) * (1.0 / (0.5 + lead))
-        store_path(part, i, mean - 0.5 * change, change)
+        free = mean
+        for t in range(part.turns.hinge.shape[0]):
+            if part.turns.hinge[t] == h:
+                free = load(part.turns.state, t, FREE_RATE)
+        find_path(part, i, mean, free)
         for s in range(angles.shape[2]):
             if part.state[i, IS_CAUGHT, s] > 0.0:
                 continue
@@ -103,11 +106,16 @@ def reach_of(part, i, start, end, last_way):
 
 
 @kernel
-def store_path(part, i, rate, change):
-    """Store the rate (rad/s) of latch i's coordinate at the start of a step, and its change in it:
-    the parabola through both ends."""
-    store(part.state, i, FIRST_RATE, rate)
-    store(part.state, i, CHANGE, change)
+def find_path(part, i, mean, free):
+    """Store the path of latch i's coordinate in a step, a parabola: its rate (rad/s) at the start
+    and the change in the step, by the rate before. mean: rate of the step; free: the same before
+    friction turned or held the coordinate, which tells the path up to where that turns back."""
+    last, weight = load(part.rates, i, RATE), 1.0 / (0.5 + load(part.state, i, LEAD))
+    change, free_change = (mean - last) * weight, (free - last) * weight
+    rate, free_rate = mean - 0.5 * change, free - 0.5 * free_change
+    turns = free_rate * (free_rate + free_change)
+    store(part.state, i, FIRST_RATE, where_negative(turns, free_rate, rate))
+    store(part.state, i, CHANGE, where_negative(turns, free_change, change))
 
 
 @kernel

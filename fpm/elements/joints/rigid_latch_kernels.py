@@ -81,7 +81,10 @@ def decide(part, world, timing):
                 if part.state[i, latch.IS_CAUGHT, s] + part.state[i, latch.NEWS, s] == 0.0:
                     search(part, i, s, timing)
                     if part.state[i, latch.IS_CAUGHT, s] > 0.0:
-                        is_any_caught = True
+                        if is_alone(part, i, s):
+                            is_any_caught = True
+                        else:
+                            part.state[i, AGE, s] = KNOWN_AGE
     if is_any_caught:
         for s in range(part.state.shape[2]):
             hold_first(part, world, timing, s)
@@ -144,7 +147,7 @@ def hold_first(part, world, timing, s):
         if part.turn[i] < 0:
             continue
         is_free = part.turns.state[part.turn[i], HOLDS, s] > 0
-        if part.state[i, latch.NEWS, s] == 1.0 and is_free:
+        if part.state[i, latch.NEWS, s] == 1.0 and is_free and is_alone(part, i, s):
             first = min(first, part.state[i, latch.CATCH_TIME, s])
     if first == math.inf:
         return

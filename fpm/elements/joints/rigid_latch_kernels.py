@@ -2,11 +2,17 @@
 
 import math
 
-from fpm.elements.joints.joint_arrays import FREE_RATE, HOLDS, RATE, SOLVED_IMPULSE, TARGET
-from fpm.elements.joints.turn_kernels import begin_loss, end_work, moment_of, register_losses
+from fpm.elements.joints.joint_arrays import BRAKE, FREE_RATE, HOLDS, RATE, SOLVED_IMPULSE, TARGET
+from fpm.elements.joints.turn_kernels import (
+    begin_loss,
+    end_work,
+    moment_of,
+    register_losses,
+)
 from fpm.elements.openings import latch_kernels as latch
 from fpm.elements.openings.latch_kernels import (
     AGE,
+    BRAKED,
     CATCH_IMPULSE,
     CHANGE,
     FIRST_RATE,
@@ -23,7 +29,7 @@ from fpm.elements.openings.losses_kernels import RATE as LAST
 from fpm.elements.openings.losses_kernels import half_rate
 from fpm.elements.openings.opening_kernels import NEW
 from fpm.kernels.hooks import hook
-from fpm.kernels.lanes import any_negative, load, store, where_negative
+from fpm.kernels.lanes import absolute, any_negative, load, store, where_negative
 from fpm.kernels.vectors import kernel
 
 SAME_TIME = 1e-9
@@ -73,7 +79,13 @@ def decide(part, world, timing):
         start, prediction = load(part.state, i, SEARCH_END), predict(part, i, timing)
         store(part.state, i, PREDICTION, prediction)
         turns, t = part.turns.state, part.turn[i]
-        latch.find_path(part, i, load(turns, t, RATE), load(turns, t, FREE_RATE))
+        mean = (prediction - start) * (1.0 / timing.step)
+        latch.find_path(part, i, mean, mean + load(turns, t, FREE_RATE) - load(turns, t, RATE))
+        store(part.state, i, BRAKED, 0.0 * mean)
+        for other in range(part.turns.hinge.shape[0]):
+            if part.turns.hinge[other] == part.hinge[i]:
+                brake = load(part.state, i, BRAKED) + load(turns, other, BRAKE)
+                store(part.state, i, BRAKED, brake)
         reach = latch.reach_of(part, i, start, prediction, timing.step * load(part.rates, i, LAST))
         open_ = 0.5 - load(part.state, i, latch.IS_CAUGHT) - load(part.state, i, latch.NEWS)
         if any_negative(where_negative(open_, 1.0, reach)):
@@ -138,6 +150,17 @@ def is_alone(part, i, s):
 
 
 @kernel
+def end_impact(part, world, i, s):
+    """Take the impulse (N m s) of latch i of sample s, if it has just caught, as known, before
+    another one catches."""
+    if part.state[i, latch.IS_CAUGHT, s] > 0.0 and part.state[i, AGE, s] < 3.5:
+        impulse = part.state[i, CATCH_IMPULSE, s]
+        if impulse == 0.0:
+            impulse = part.state[i, IMPACT, s] + solved_impulse(part, world, i, s)
+        part.state[i, IMPACT, s], part.state[i, AGE, s] = impulse, KNOWN_AGE
+
+
+@kernel
 def hold_first(part, world, timing, s):
     """Hold the coordinate of the latch of sample s that catches first in this step, or of several
     at that time, and forget what latches would do later: the impact changes the rates, by which
@@ -157,11 +180,7 @@ def hold_first(part, world, timing, s):
         if t < 0:
             continue
         if part.turns.state[t, HOLDS, s] < 0:
-            if part.state[i, latch.IS_CAUGHT, s] > 0.0 and part.state[i, AGE, s] < 3.5:
-                impulse = part.state[i, CATCH_IMPULSE, s]
-                if impulse == 0.0:
-                    impulse = part.state[i, IMPACT, s] + solved_impulse(part, world, i, s)
-                part.state[i, IMPACT, s], part.state[i, AGE, s] = impulse, KNOWN_AGE
+            end_impact(part, world, i, s)
             continue
         if part.state[i, latch.NEWS, s] > 0.0 and time > first + SAME_TIME * timing.step:
             part.state[i, latch.IS_CAUGHT, s] = part.state[i, latch.NEWS, s] = 0.0
@@ -169,6 +188,8 @@ def hold_first(part, world, timing, s):
             part.turns.state[t, HOLDS, s] = LATCHED
             part.turns.state[t, TARGET, s] = part.state[i, latch.HOLD_ANGLE, s]
             part.state[i, FREE_END, s] = part.state[i, PREDICTION, s]
+            if part.state[i, latch.CATCH_RATE, s] == 0.0:
+                part.state[i, AGE, s] = KNOWN_AGE  # no impact
             part.turns.impact[0, 0, s] = share
             world.undecided[0] = 1
         elif part.state[i, latch.IS_CAUGHT, s] > 0.0:
@@ -183,6 +204,17 @@ def hold_first(part, world, timing, s):
                     mean = rest / ((1.0 - last_share) * timing.step)
                 part.state[i, SEARCH_END, s] += (share - last_share) * timing.step * mean
             part.state[i, SEARCH_SHARE, s] = share
+
+
+@kernel
+def ends_at_turn(part, i):
+    """Return where (lanes, below 0) the search for latch i goes on in the next step from where its
+    coordinate turned back in this one: friction, which stops in the second half of a step, turns or
+    holds in the next."""
+    first = load(part.state, i, FIRST_RATE)
+    turns = first * (first + load(part.state, i, CHANGE))
+    turns = where_negative(turns, -absolute(load(part.state, i, BRAKED)), 1.0)
+    return where_negative(-1.0 * load(part.state, i, SEARCH_SHARE), 1.0, turns)
 
 
 @hook(Latches)
@@ -205,8 +237,14 @@ def work_after(part, world, timing):
         end, rest = predict(part, i, timing), 1.0 - load(part.state, i, SEARCH_SHARE)
         rest = where_negative(rest - SAME_TIME, SAME_TIME, rest)
         rate = (end - load(part.state, i, SEARCH_END)) / (timing.step * rest)
-        store(part.rates, i, LAST, rate)
-        store(part.state, i, SEARCH_END, end)
+        turns = ends_at_turn(part, i)
+        first, change = load(part.state, i, FIRST_RATE), load(part.state, i, CHANGE)
+        share = -1.0 * first / change
+        vertex = load(part.state, i, SEARCH_END) + 0.5 * timing.step * share * first
+        store(part.rates, i, LAST, where_negative(turns, 0.0, rate))
+        store(part.state, i, SEARCH_END, where_negative(turns, vertex, end))
+        share = where_negative(turns, 2.0 * share - 1.0, load(part.state, i, SEARCH_SHARE))
+        store(part.state, i, SEARCH_SHARE, share)
         time = timing.time - 0.5 * timing.step - load(part.state, i, latch.CATCH_TIME)
         impact = where_negative(age - 3.5, impulse, -1.0 * time * moment)
         impact = where_negative(age - 4.5, impact, 0.0)

@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fpm.elements.joints.closure import mean_force
+from fpm.elements.joints.joint_arrays import BRAKE as TURN_BRAKE
 from fpm.elements.joints.joint_arrays import HOLDS, RATE, SOLVED_IMPULSE, TARGET, Turns
 from fpm.elements.joints.turn_kernels import (
     HOLD_MOMENT,
@@ -163,6 +164,7 @@ def slow_down(part, world, i, timing):
     store(part.state, i, BRAKE, moment)
     store(part.state, i, LAST_BRAKE, moment)
     store(part.state, i, CHANGES_LEFT, CHANGES)
+    store(part.turns.state, part.turn[i], TURN_BRAKE, moment)
     turn(part.openings, world.state, h, moment)
 
 
@@ -281,12 +283,15 @@ def decide(part, world, timing):
 @kernel
 def relieve(part, world, timing, i, latched):
     """Let element i bear nothing where `latched` (lanes) is below 0, as a latch holds its joint
-    from part.turns.impact on: in the kick of that step it brakes up to then."""
+    from part.turns.impact on: in the kick of that step it brakes up to then, also where it turned
+    after a share f of the kick and would have (1 - 2 f) of its moment."""
     t, old = part.turn[i], load(part.state, i, BRAKE)
     hold, changes = load(part.turns.state, t, HOLDS), load(part.state, i, CHANGES_LEFT)
     share, last = load(part.turns.impact, 0, 0), load(part.state, i, LAST_BRAKE)
     share = 2.0 * share if timing.time == 0.0 else 0.5 + share
     brake = share * where_negative(-absolute(last), last, old)
+    has_turned = -absolute(last) * absolute(old - last)
+    brake = where_negative(has_turned, (1.0 - share) * last - old, brake)
     is_new = where_negative(latched, -0.5 - changes, 1.0)
     brake = where_negative(is_new, brake, old)
     if any_negative(-absolute(brake - old)) or any_negative(where_negative(is_new, hold, 1.0)):
@@ -335,8 +340,9 @@ def change(part, world, timing, i, slips, turns, sticks):
     target = where_negative(turns, target, load(part.turns.state, t, TARGET))
     store(part.turns.state, t, TARGET, target)
     is_change = where_negative(slips, -1.0, where_negative(turns, -1.0, sticks))
-    changes = load(part.state, i, CHANGES_LEFT)
+    changes, brake = load(part.state, i, CHANGES_LEFT), load(part.turns.state, t, TURN_BRAKE)
     store(part.state, i, CHANGES_LEFT, where_negative(is_change, changes - 1.0, changes))
+    store(part.turns.state, t, TURN_BRAKE, where_negative(is_change, 0.0, brake))
     world.undecided[0] = 1
 
 

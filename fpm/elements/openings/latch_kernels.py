@@ -39,7 +39,8 @@ SEARCH_SHARE = SEARCH_END + 1  # share of this step after which that is: others 
 FREE_END = SEARCH_SHARE + 1  # opening that was foreseen for the end of the step in which it catches
 CATCH_IMPULSE = FREE_END + 1  # that of the catch, by what it takes to hold it, 0: not known
 LEAD = CATCH_IMPULSE + 1  # steps from the time of the rate in `rates` to the start of this step
-STATE = LEAD + 1
+BRAKED = LEAD + 1  # moment (N m) of exact friction on the joint that may turn in this step
+STATE = BRAKED + 1
 
 TRACK = 4  # recorded: moment, impulse, rate when it caught, impulse with which it caught
 
@@ -181,12 +182,14 @@ def pass_by(part, i, s, start, end, start_rate, time, span):
     turn back on, from `start` to `end` (rad) in `span` seconds from a `time` (s) on, with a rate
     that changes evenly from `start_rate` (rad/s). Ways are measured from the edge of the capture
     range that is met first. Within the range the rate may fall to the largest one at which the
-    latch catches."""
+    latch catches. A way on which friction pushes along is none: it turns or holds first."""
     angle, reach = part.numbers[i, ANGLE, s], part.numbers[i, CAPTURE_RANGE, s]
     sign, most = direction_of(part, i, s, end - start), part.numbers[i, MAX_RATE, s]
     first, last = sign * (start - angle) + reach, sign * (end - angle) + reach
     is_inside = 0.0 <= first <= 2.0 * reach and reach > 0.0
     if last - first < -AT_REST or not (is_inside or first < 0.0 <= last):
+        return
+    if part.state[i, BRAKED, s] * (end - start) > 0.0:
         return
     begin = max(sign * start_rate, 0.0)
     final = max(2.0 * (last - first) / span - begin, 0.0)

@@ -44,7 +44,7 @@ CASES = {  # rate, force, friction, latch; time, place and rate of the catch, No
         (0.2 / 220, -0.02 / 220, 0.0),
     ),
     "a second latch at rest": (
-        2.0, 0, 8, "position: 0.2}\n  last: {type: latch, joint: h, position: 0.21, "
+        2.0, 0, 8, "position: 0.2}\n  end: {type: latch, joint: h, position: 0.21, "
         "capture_range: 0.02, max_capture_rate: 0.1", ((2 - 0.8**0.5) / 8, 0.2, 0.8**0.5),
     ),
 }  # fmt: skip
@@ -56,13 +56,15 @@ def cart(rate, force, friction, latch) -> str:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("stiffness", ["", ", stiffness: 40"])
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize(
+    ("case", "stiffness"),
+    [*((case, "") for case in CASES), *((case, ", stiffness: 40") for case in [*CASES][:-1])],
+)
 def test_a_latch_catches_a_joint_that_turns_back_within_a_step(case, stiffness):
     """Time, place, rate; of an exact one the impact, and in the first step all of the energy."""
     *motion, latch, exact = CASES[case]
     scene = loads(cart(*motion, latch + stiffness)).build()
-    for step in (0.025, 0.0125, 0.003):
+    for step in (0.025, 0.0125, 0.005):
         (outcome,) = fpm.simulate(scene, duration=0.3, instants=2, step=step)
         events = outcome.events[outcome.events[:, 2] == 0]
         if exact is None:
@@ -74,8 +76,8 @@ def test_a_latch_catches_a_joint_that_turns_back_within_a_step(case, stiffness):
         if stiffness:
             continue
         assert outcome.openings["h"][-1] == pytest.approx(place, abs=1e-9)
-        for name, impact in {"pin": rate, "last": 0.0}.items():
-            if name == "pin" or name in latch:
+        for name, impact in {"pin": rate, "end": 0.0}.items():
+            if name == "pin" or f"{name}:" in latch:
                 words = {"latch_impact": name, "component": "signed"}
                 found = parse("p", words, outcome.scene).evaluate(outcome)[-1]
                 assert found == pytest.approx(-impact, abs=1e-9)

@@ -12,7 +12,7 @@ from fpm.elements.joints.turn_kernels import (
 from fpm.elements.openings import latch_kernels as latch
 from fpm.elements.openings.latch_kernels import (
     AGE,
-    BRAKED,
+    BRAKE_MOMENT,
     CATCH_IMPULSE,
     CHANGE,
     FIRST_RATE,
@@ -35,7 +35,7 @@ from fpm.kernels.vectors import kernel
 SAME_TIME = 1e-9
 """Share of a step within which latches catch at one time."""
 
-LATCHED = -2.0
+LATCH_HOLD = -2.0
 """HOLDS of what a latch holds: friction on the same joint bears nothing then."""
 
 KNOWN_AGE = 9.0
@@ -81,11 +81,11 @@ def decide(part, world, timing):
         turns, t = part.turns.state, part.turn[i]
         mean = (prediction - start) * (1.0 / timing.step)
         latch.find_path(part, i, mean, mean + load(turns, t, FREE_RATE) - load(turns, t, RATE))
-        store(part.state, i, BRAKED, 0.0 * mean)
-        for other in range(part.turns.hinge.shape[0]):
-            if part.turns.hinge[other] == part.hinge[i]:
-                brake = load(part.state, i, BRAKED) + load(turns, other, BRAKE)
-                store(part.state, i, BRAKED, brake)
+        store(part.state, i, BRAKE_MOMENT, 0.0 * mean)
+        for neighbour in range(part.turns.hinge.shape[0]):
+            if part.turns.hinge[neighbour] == part.hinge[i]:
+                brake = load(part.state, i, BRAKE_MOMENT) + load(turns, neighbour, BRAKE)
+                store(part.state, i, BRAKE_MOMENT, brake)
         reach = latch.reach_of(part, i, start, prediction, timing.step * load(part.rates, i, LAST))
         open_ = 0.5 - load(part.state, i, latch.IS_CAUGHT) - load(part.state, i, latch.NEWS)
         if any_negative(where_negative(open_, 1.0, reach)):
@@ -144,7 +144,7 @@ def is_alone(part, i, s):
     bears nothing."""
     result = True
     for t in range(part.turns.hinge.shape[0]):
-        if part.turns.hinge[t] == part.hinge[i] and part.turns.state[t, HOLDS, s] == LATCHED:
+        if part.turns.hinge[t] == part.hinge[i] and part.turns.state[t, HOLDS, s] == LATCH_HOLD:
             result = False
     return result
 
@@ -185,7 +185,7 @@ def hold_first(part, world, timing, s):
         if part.state[i, latch.NEWS, s] > 0.0 and time > first + SAME_TIME * timing.step:
             part.state[i, latch.IS_CAUGHT, s] = part.state[i, latch.NEWS, s] = 0.0
         if part.state[i, latch.IS_CAUGHT, s] > 0.0 and is_alone(part, i, s):
-            part.turns.state[t, HOLDS, s] = LATCHED
+            part.turns.state[t, HOLDS, s] = LATCH_HOLD
             part.turns.state[t, TARGET, s] = part.state[i, latch.HOLD_ANGLE, s]
             part.state[i, FREE_END, s] = part.state[i, PREDICTION, s]
             if part.state[i, latch.CATCH_RATE, s] == 0.0:
@@ -213,7 +213,7 @@ def ends_at_turn(part, i):
     holds in the next."""
     first = load(part.state, i, FIRST_RATE)
     turns = first * (first + load(part.state, i, CHANGE))
-    turns = where_negative(turns, -absolute(load(part.state, i, BRAKED)), 1.0)
+    turns = where_negative(turns, -absolute(load(part.state, i, BRAKE_MOMENT)), 1.0)
     return where_negative(-1.0 * load(part.state, i, SEARCH_SHARE), 1.0, turns)
 
 

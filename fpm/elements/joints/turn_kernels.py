@@ -117,20 +117,20 @@ def is_latched(turns, h, t):
     """Return -1 (lanes) where a latch other than condition t holds the joint coordinate of hinge h
     exactly, else 1. turns: Turns."""
     result = 0.0 * load(turns.state, t, HOLDS) + 1.0
-    for other in range(turns.hinge.shape[0]):
-        if other != t and turns.hinge[other] == h:
-            result = where_negative(load(turns.state, other, HOLDS) + 1.5, -1.0, result)
+    for neighbour in range(turns.hinge.shape[0]):
+        if neighbour != t and turns.hinge[neighbour] == h:
+            result = where_negative(load(turns.state, neighbour, HOLDS) + 1.5, -1.0, result)
     return result
 
 
 @kernel
-def begin_loss(part, world, timing, i, moment, found, first):
+def begin_loss(part, world, timing, i, moment, solved_moment, first):
     """Store as WORK_DUE of element i the energy (J) that its `moment` (N m) takes in the first kick
     beyond its work by the mean rate after it: half of its impulse times the change of the rate. By
     just that the kinetic energy of velocities reflected about the start (`reflect`) is too small,
-    which a stop within the first step makes most of it. found: what of the moment (N m) was found
-    as the joints were solved. Where that changed the rate, it tells the inertia, and the energy is
-    that of all that changed the rate, weight and dampers too."""
+    which a stop within the first step makes most of it. Where a hold changed the rate, its part of
+    the moment, `solved_moment` (N m), tells the inertia; with that the energy is that of all that
+    changed the rate, weight, loads and dampers too."""
     turns, t = part.turns.state, part.turn[i]
     rate, free = load(turns, t, RATE), load(turns, t, FREE_RATE)
     change = rate - load(part.rates, i, START_RATE)
@@ -138,7 +138,7 @@ def begin_loss(part, world, timing, i, moment, found, first):
     loss = where_negative(loss, 0.0, loss)
     by_hold = rate - free
     is_small = absolute(by_hold) - 1e-6 * absolute(change) - TINY
-    whole = 0.5 * change * change * found / mean_force(world, timing)
+    whole = 0.5 * change * change * solved_moment / mean_force(world, timing)
     whole = whole / where_negative(is_small, 1.0, by_hold)
     is_held = where_negative(load(turns, t, HOLDS), -1.0, is_latched(part.turns, part.hinge[i], t))
     whole = where_negative(is_small, loss, whole)

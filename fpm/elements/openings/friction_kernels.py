@@ -260,9 +260,9 @@ def decide(part, world, timing):
     for i in range(part.hinge.shape[0]):
         if part.turn[i] < 0:
             continue
-        latched = is_latched(part.turns, part.hinge[i], part.turn[i])
-        if any_negative(latched):
-            relieve(part, world, timing, i, latched)
+        latch_sign = is_latched(part.turns, part.hinge[i], part.turn[i])
+        if any_negative(latch_sign):
+            relieve(part, world, timing, i, latch_sign)
         t, changes = part.turn[i], load(part.state, i, CHANGES_LEFT)
         hold, sign = load(part.turns.state, t, HOLDS), load(part.state, i, SIGN)
         reserve = load(part.numbers, i, FRICTION) - absolute(
@@ -273,16 +273,16 @@ def decide(part, world, timing):
         slips = where_negative(hold, reserve, 1.0)
         turns = where_negative(is_first, 1.0, speed)
         sticks = where_negative(is_first, where_negative(changes - 1.5, 1.0, speed), 1.0)
-        slips = where_negative(latched, 1.0, slips)
-        turns = where_negative(latched, 1.0, turns)
-        sticks = where_negative(latched, 1.0, sticks)
+        slips = where_negative(latch_sign, 1.0, slips)
+        turns = where_negative(latch_sign, 1.0, turns)
+        sticks = where_negative(latch_sign, 1.0, sticks)
         if any_negative(slips) or any_negative(turns) or any_negative(sticks):
             change(part, world, timing, i, slips, turns, sticks)
 
 
 @kernel
-def relieve(part, world, timing, i, latched):
-    """Let element i bear nothing where `latched` (lanes) is below 0, as a latch holds its joint
+def relieve(part, world, timing, i, latch_sign):
+    """Let element i bear nothing where `latch_sign` (lanes) is below 0, as a latch holds its joint
     from part.turns.impact on: in the kick of that step it brakes up to then, also where it turned
     after a share f of the kick and would have (1 - 2 f) of its moment."""
     t, old = part.turn[i], load(part.state, i, BRAKE)
@@ -292,14 +292,14 @@ def relieve(part, world, timing, i, latched):
     brake = share * where_negative(-absolute(last), last, old)
     has_turned = -absolute(last) * absolute(old - last)
     brake = where_negative(has_turned, (1.0 - share) * last - old, brake)
-    is_new = where_negative(latched, -0.5 - changes, 1.0)
+    is_new = where_negative(latch_sign, -0.5 - changes, 1.0)
     brake = where_negative(is_new, brake, old)
     if any_negative(-absolute(brake - old)) or any_negative(where_negative(is_new, hold, 1.0)):
         push(part.openings, world, part.hinge[i], (brake - old) / mean_force(world, timing))
         world.undecided[0] = 1
     store(part.state, i, BRAKE, brake)
     store(part.state, i, CHANGES_LEFT, where_negative(is_new, -1.0, changes))
-    store(part.turns.state, t, HOLDS, where_negative(latched, 1.0, hold))
+    store(part.turns.state, t, HOLDS, where_negative(latch_sign, 1.0, hold))
 
 
 @kernel

@@ -39,8 +39,8 @@ SEARCH_SHARE = SEARCH_END + 1  # share of this step after which that is: others 
 FREE_END = SEARCH_SHARE + 1  # opening that was foreseen for the end of the step in which it catches
 CATCH_IMPULSE = FREE_END + 1  # that of the catch, by what it takes to hold it, 0: not known
 LEAD = CATCH_IMPULSE + 1  # steps from the time of the rate in `rates` to the start of this step
-BRAKED = LEAD + 1  # moment (N m) of exact friction on the joint that may turn in this step
-STATE = BRAKED + 1
+BRAKE_MOMENT = LEAD + 1  # moment (N m) of exact friction on the joint that may turn in this step
+STATE = BRAKE_MOMENT + 1
 
 TRACK = 4  # recorded: moment, impulse, rate when it caught, impulse with which it caught
 
@@ -189,33 +189,36 @@ def pass_by(part, i, s, start, end, start_rate, time, span):
     is_inside = 0.0 <= first <= 2.0 * reach and reach > 0.0
     if last - first < -AT_REST or not (is_inside or first < 0.0 <= last):
         return
-    if part.state[i, BRAKED, s] * (end - start) > 0.0:
+    if part.state[i, BRAKE_MOMENT, s] * (end - start) > 0.0:
         return
-    begin = max(sign * start_rate, 0.0)
-    final = max(2.0 * (last - first) / span - begin, 0.0)
+    begin_rate = max(sign * start_rate, 0.0)
+    final = max(2.0 * (last - first) / span - begin_rate, 0.0)
     place = max(first, 0.0)
-    rate = rate_after(begin, final, place - first, span)
+    rate = rate_after(begin_rate, final, place - first, span)
     if rate > most >= final:
-        place, rate = first + 0.5 * (begin + most) * span * (begin - most) / (begin - final), most
+        wait = (begin_rate - most) / (begin_rate - final) * span
+        place, rate = first + 0.5 * (begin_rate + most) * wait, most
     if rate <= most and place <= max(2.0 * reach, first):
-        wait = time_of(begin, rate, place - first)
+        wait = time_of(begin_rate, rate, place - first)
         catch(part, i, s, angle + sign * (place - reach), sign * rate, time + wait, sign)
     elif last > 2.0 * reach or reach == 0.0:
-        end_rate = rate_after(begin, final, 2.0 * reach - first, span)
-        miss(part, i, s, time + time_of(begin, end_rate, 2.0 * reach - first))
+        end_rate = rate_after(begin_rate, final, 2.0 * reach - first, span)
+        miss(part, i, s, time + time_of(begin_rate, end_rate, 2.0 * reach - first))
 
 
 @kernel
-def rate_after(begin, final, way, span):
-    """Return the rate (rad/s) after a `way` (rad) on which it changes evenly from `begin` to
+def rate_after(begin_rate, final, distance, span):
+    """Return the rate (rad/s) after a `distance` (rad) on which it changes evenly from `begin_rate` to
     `final` in `span` seconds."""
-    return math.sqrt(max(begin * begin + 2.0 * (final - begin) / span * way, 0.0))
+    return math.sqrt(
+        max(begin_rate * begin_rate + 2.0 * (final - begin_rate) / span * distance, 0.0)
+    )
 
 
 @kernel
-def time_of(begin, rate, way):
-    """Return the time (s) of a `way` (rad) on which the rate (rad/s) changes evenly."""
-    return 2.0 * way / (begin + rate) if begin + rate > 0.0 else 0.0
+def time_of(begin_rate, rate, distance):
+    """Return the time (s) of a `distance` (rad) on which the rate (rad/s) changes evenly."""
+    return 2.0 * distance / (begin_rate + rate) if begin_rate + rate > 0.0 else 0.0
 
 
 @kernel

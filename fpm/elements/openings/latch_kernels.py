@@ -208,11 +208,10 @@ def pass_by(part, i, s, start, end, start_rate, time, span):
 
 @kernel
 def rate_after(begin_rate, final, distance, span):
-    """Return the rate (rad/s) after a `distance` (rad) on which it changes evenly from `begin_rate` to
-    `final` in `span` seconds."""
-    return math.sqrt(
-        max(begin_rate * begin_rate + 2.0 * (final - begin_rate) / span * distance, 0.0)
-    )
+    """Return the rate (rad/s) after a `distance` (rad) on which it changes evenly, from
+    `begin_rate` to `final` in `span` seconds."""
+    square = begin_rate * begin_rate + 2.0 * (final - begin_rate) / span * distance
+    return math.sqrt(max(square, 0.0))
 
 
 @kernel

@@ -65,7 +65,7 @@ def test_a_latch_catches_a_joint_that_turns_back_within_a_step(case, stiffness):
     *motion, latch, exact = CASES[case]
     scene = loads(cart(*motion, latch + stiffness)).build()
     for step in (0.025, 0.0125, 0.005):
-        (outcome,) = fpm.simulate(scene, duration=0.3, instants=2, step=step)
+        (outcome,) = fpm.simulate(scene, duration=0.3, instants=13, step=step)
         events = outcome.events[outcome.events[:, 2] == 0]
         if exact is None:
             assert len(events) == 0
@@ -79,8 +79,9 @@ def test_a_latch_catches_a_joint_that_turns_back_within_a_step(case, stiffness):
         for name, impact in {"pin": rate, "end": 0.0}.items():
             if name == "pin" or f"{name}:" in latch:
                 words = {"latch_impact": name, "component": "signed"}
-                found = parse("p", words, outcome.scene).evaluate(outcome)[-1]
-                assert found == pytest.approx(-impact, abs=1e-9)
+                found = parse("p", words, outcome.scene).evaluate(outcome)
+                assert found[-1] == pytest.approx(-impact, abs=1e-9)
+                assert found.min() >= min(-1.1 * impact, 0) - 1e-9, "also before it is known"
         if time < step:
             loss = motion[0] ** 2 / 2 + motion[1] * place
             assert outcome.energies["joint_loss"][-1] == pytest.approx(loss, abs=1e-9)

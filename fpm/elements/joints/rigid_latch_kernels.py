@@ -262,4 +262,5 @@ def record_step(part, world, row, timing):
         store(part.track, index, 0, moment)
         store(part.track, index, 1, load(part.state, i, latch.IMPULSE) - impulse)
         store(part.track, index, 2, load(part.state, i, latch.CATCH_RATE))
-        store(part.track, index, 3, load(part.state, i, IMPACT))
+        impact, first = load(part.state, i, IMPACT), load(part.state, i, CATCH_IMPULSE)
+        store(part.track, index, 3, where_negative(load(part.state, i, AGE) - 3.5, first, impact))

@@ -84,6 +84,8 @@ def seek_points(
     instants = np.linspace(0, values.shape[2] - 1, min(values.shape[2], _SEEK_INSTANTS)).astype(int)
     values = values[:, :, np.unique(instants)]
     width = np.ptp(values, axis=0).mean(axis=1)
+    if not (width > 0).any():
+        return np.empty((0, points.shape[1])), np.zeros(len(width))
     values = values[:, width > 0] / width[width > 0, None]
     spline = fit_spline(points, values)
     trial = spread_points(spline.scales > 0, candidates, seed)

@@ -122,6 +122,7 @@ def balance(world, energies, row, kinetic, kick):
     if row == 0:
         store(energies, row, layout.BALANCE, 0.0)
         store(world.sums, 0, layout.TOTAL, total)
+        size = size + 0.5 * kick  # with that the kinetic energy of the given velocities
     else:
         store(energies, row, layout.BALANCE, total - load(world.sums, 0, layout.TOTAL))
     passage = load(world.sums, 0, layout.PASSAGE)

@@ -47,3 +47,8 @@ def test_nothing_is_sought_where_nothing_varies():
     assert growth[0] == 0
     assert growth[1] < 1e-6
     assert len(found) <= 8
+
+
+def test_responses_that_do_not_vary_need_no_points():
+    found, growth = seek_points(np.zeros((4, 2)), np.ones((4, 3, 5)), 8)
+    assert len(found) == 0 and not growth.any()

@@ -58,12 +58,15 @@ IMPULSE = 18
 ROW = 19
 
 # Of an opening that is held exactly (turn.py).
-HOLDS = 0  # -1 where the opening is held, 1 where it is free
+HOLDS = 0  # -1 where the opening is held, -2 by a latch, for good; 1 where it is free
 TARGET = 1  # at which opening, at the end of the step (rad)
 RATE = 2  # of the opening over the step, as the joints were solved last (rad/s)
 TURN_IMPULSE = 3  # of the step, on the hinge's second particle (N m s)
 SOLVED_IMPULSE = 4  # the same as the joints were solved last
-TURN = 5
+FREE_RATE = 5  # RATE as the joints were solved first in this step
+IS_NEW_STEP = 6  # 1 until then
+BRAKE = 7  # moment of friction that slips and has not turned or stuck in this step (N m)
+TURN = 8
 
 GAP, TILT = 0, 1  # watched, and recorded: the same places as of hinges, which share a kernel
 

@@ -42,6 +42,7 @@ def prepare(part, world, timing):
     world.undecided[0] = 1
     for t in range(part.turn_at.shape[0]):
         store(part.turns.state, t, joint.TURN_IMPULSE, 0.0)
+        store(part.turns.state, t, joint.IS_NEW_STEP, 1.0)
 
 
 @hook(Joints)
@@ -83,6 +84,10 @@ def store_rates(part, state):
         else:
             rate = dot(axis, get3(b, slot2, joint.SPIN) - get3(b, slot1, joint.SPIN))
         store(part.turns.state, t, joint.RATE, rate)
+        is_old, free = 0.5 - load(part.turns.state, t, joint.IS_NEW_STEP), joint.FREE_RATE
+        free_rate = where_negative(is_old, rate, load(part.turns.state, t, free))
+        store(part.turns.state, t, free, free_rate)
+        store(part.turns.state, t, joint.IS_NEW_STEP, 0.0)
         impulse = load(part.rows, part.pattern.first[j], joint.IMPULSE)
         store(part.turns.state, t, joint.SOLVED_IMPULSE, impulse)
 

@@ -2,14 +2,23 @@
 
 import math
 
-from fpm.elements.joints.joint_arrays import HOLDS, RATE, SOLVED_IMPULSE, TARGET
-from fpm.elements.joints.turn_kernels import begin_loss, end_work, moment_of, register_losses
+from fpm.elements.joints.joint_arrays import BRAKE, FREE_RATE, HOLDS, RATE, SOLVED_IMPULSE, TARGET
+from fpm.elements.joints.turn_kernels import (
+    begin_loss,
+    end_work,
+    moment_of,
+    register_losses,
+)
 from fpm.elements.openings import latch_kernels as latch
 from fpm.elements.openings.latch_kernels import (
     AGE,
+    BRAKE_MOMENT,
     CATCH_IMPULSE,
+    CHANGE,
+    FIRST_RATE,
     FREE_END,
     IMPACT,
+    LEAD,
     PREDICTION,
     SEARCH_END,
     SEARCH_SHARE,
@@ -20,11 +29,14 @@ from fpm.elements.openings.losses_kernels import RATE as LAST
 from fpm.elements.openings.losses_kernels import half_rate
 from fpm.elements.openings.opening_kernels import NEW
 from fpm.kernels.hooks import hook
-from fpm.kernels.lanes import any_negative, load, store, where_negative
+from fpm.kernels.lanes import absolute, any_negative, load, store, where_negative
 from fpm.kernels.vectors import kernel
 
 SAME_TIME = 1e-9
 """Share of a step within which latches catch at one time."""
+
+LATCH_HOLD = -2.0
+"""HOLDS of what a latch holds: friction on the same joint bears nothing then."""
 
 KNOWN_AGE = 9.0
 """Age of a latch whose impulse of the catch is known."""
@@ -37,13 +49,12 @@ register_losses(Latches, WORKS)
 def prepare(part, world, timing):
     """Store in part.rates the mean rates of the latches' joint coordinates in the step that ended,
     after the last catch in it, before the next is solved."""
-    if timing.time > 0.0:
-        for i in range(part.hinge.shape[0]):
-            if part.turn[i] < 0:
-                continue
+    for i in range(part.hinge.shape[0]):
+        if part.turn[i] >= 0 and timing.time > 0.0:
             share, rate = load(part.state, i, SEARCH_SHARE), load(part.rates, i, LAST)
             mean = half_rate(part.openings, part.hinge[i], timing)
             store(part.rates, i, LAST, where_negative(-share, rate, mean))
+            store(part.state, i, LEAD, 0.5 - 0.5 * share)
             store(part.state, i, SEARCH_SHARE, 0.0 * share)
 
 
@@ -67,26 +78,42 @@ def decide(part, world, timing):
         find_catch_impulse(part, world, timing, i)
         start, prediction = load(part.state, i, SEARCH_END), predict(part, i, timing)
         store(part.state, i, PREDICTION, prediction)
-        reach = latch.reach_of(part, i, start, prediction)
+        turns, t = part.turns.state, part.turn[i]
+        mean = (prediction - start) * (1.0 / timing.step)
+        latch.find_path(part, i, mean, mean + load(turns, t, FREE_RATE) - load(turns, t, RATE))
+        store(part.state, i, BRAKE_MOMENT, 0.0 * mean)
+        for neighbour in range(part.turns.hinge.shape[0]):
+            if part.turns.hinge[neighbour] == part.hinge[i]:
+                brake = load(part.state, i, BRAKE_MOMENT) + load(turns, neighbour, BRAKE)
+                store(part.state, i, BRAKE_MOMENT, brake)
+        reach = latch.reach_of(part, i, start, prediction, timing.step * load(part.rates, i, LAST))
         open_ = 0.5 - load(part.state, i, latch.IS_CAUGHT) - load(part.state, i, latch.NEWS)
         if any_negative(where_negative(open_, 1.0, reach)):
-            end = timing.time + timing.step
             for s in range(part.state.shape[2]):
                 if part.state[i, latch.IS_CAUGHT, s] + part.state[i, latch.NEWS, s] == 0.0:
-                    first, last = part.state[i, SEARCH_END, s], part.state[i, PREDICTION, s]
-                    rate, span = part.rates[i, LAST, s], timing.step
-                    if part.state[i, SEARCH_SHARE, s] > 0.0:
-                        span *= max(1.0 - part.state[i, SEARCH_SHARE, s], SAME_TIME)
-                        rate = (last - first) / span
-                    if timing.time == 0.0:
-                        latch.pass_by(part, i, s, first, first, rate, 0.0, timing.step)
-                    if part.state[i, latch.IS_CAUGHT, s] + part.state[i, latch.NEWS, s] == 0.0:
-                        latch.pass_by(part, i, s, first, last, rate, end, span)
+                    search(part, i, s, timing)
                     if part.state[i, latch.IS_CAUGHT, s] > 0.0:
-                        is_any_caught = True
+                        if is_alone(part, i, s):
+                            is_any_caught = True
+                        else:
+                            part.state[i, AGE, s] = KNOWN_AGE
     if is_any_caught:
         for s in range(part.state.shape[2]):
             hold_first(part, world, timing, s)
+
+
+@kernel
+def search(part, i, s, timing):
+    """Find out whether latch i of sample s catches or misses in what is left of this step."""
+    share, start = part.state[i, SEARCH_SHARE, s], part.state[i, SEARCH_END, s]
+    time, span = timing.time + share * timing.step, max(1.0 - share, SAME_TIME) * timing.step
+    if share > 0.0:
+        part.state[i, FIRST_RATE, s] = (part.state[i, PREDICTION, s] - start) / span
+        part.state[i, CHANGE, s] = 0.0
+    if timing.time == 0.0 and share == 0.0:
+        latch.catch_at_start(part, i, s, start, part.rates[i, LAST, s])
+    if part.state[i, latch.NEWS, s] == 0.0:
+        latch.follow_path(part, i, s, start, part.state[i, PREDICTION, s], time, span)
 
 
 @kernel
@@ -112,6 +139,28 @@ def solved_impulse(part, world, i, s):
 
 
 @kernel
+def is_alone(part, i, s):
+    """Return whether no other latch holds the joint coordinate of latch i of sample s, which then
+    bears nothing."""
+    result = True
+    for t in range(part.turns.hinge.shape[0]):
+        if part.turns.hinge[t] == part.hinge[i] and part.turns.state[t, HOLDS, s] == LATCH_HOLD:
+            result = False
+    return result
+
+
+@kernel
+def end_impact(part, world, i, s):
+    """Take the impulse (N m s) of latch i of sample s, if it has just caught, as known, before
+    another one catches."""
+    if part.state[i, latch.IS_CAUGHT, s] > 0.0 and part.state[i, AGE, s] < 3.5:
+        impulse = part.state[i, CATCH_IMPULSE, s]
+        if impulse == 0.0:
+            impulse = part.state[i, IMPACT, s] + solved_impulse(part, world, i, s)
+        part.state[i, IMPACT, s], part.state[i, AGE, s] = impulse, KNOWN_AGE
+
+
+@kernel
 def hold_first(part, world, timing, s):
     """Hold the coordinate of the latch of sample s that catches first in this step, or of several
     at that time, and forget what latches would do later: the impact changes the rates, by which
@@ -121,7 +170,7 @@ def hold_first(part, world, timing, s):
         if part.turn[i] < 0:
             continue
         is_free = part.turns.state[part.turn[i], HOLDS, s] > 0
-        if part.state[i, latch.NEWS, s] == 1.0 and is_free:
+        if part.state[i, latch.NEWS, s] == 1.0 and is_free and is_alone(part, i, s):
             first = min(first, part.state[i, latch.CATCH_TIME, s])
     if first == math.inf:
         return
@@ -131,27 +180,41 @@ def hold_first(part, world, timing, s):
         if t < 0:
             continue
         if part.turns.state[t, HOLDS, s] < 0:
-            if part.state[i, latch.IS_CAUGHT, s] > 0.0 and part.state[i, AGE, s] < 3.5:
-                impulse = part.state[i, CATCH_IMPULSE, s]
-                if impulse == 0.0:
-                    impulse = part.state[i, IMPACT, s] + solved_impulse(part, world, i, s)
-                part.state[i, IMPACT, s], part.state[i, AGE, s] = impulse, KNOWN_AGE
+            end_impact(part, world, i, s)
             continue
         if part.state[i, latch.NEWS, s] > 0.0 and time > first + SAME_TIME * timing.step:
             part.state[i, latch.IS_CAUGHT, s] = part.state[i, latch.NEWS, s] = 0.0
-        if part.state[i, latch.IS_CAUGHT, s] > 0.0:
-            part.turns.state[t, HOLDS, s] = -1.0
+        if part.state[i, latch.IS_CAUGHT, s] > 0.0 and is_alone(part, i, s):
+            part.turns.state[t, HOLDS, s] = LATCH_HOLD
             part.turns.state[t, TARGET, s] = part.state[i, latch.HOLD_ANGLE, s]
             part.state[i, FREE_END, s] = part.state[i, PREDICTION, s]
+            if part.state[i, latch.CATCH_RATE, s] == 0.0:
+                part.state[i, AGE, s] = KNOWN_AGE  # no impact
             part.turns.impact[0, 0, s] = share
             world.undecided[0] = 1
+        elif part.state[i, latch.IS_CAUGHT, s] > 0.0:
+            part.state[i, AGE, s] = KNOWN_AGE
         else:
-            last_share, last = part.state[i, SEARCH_SHARE, s], part.state[i, SEARCH_END, s]
+            last_share = part.state[i, SEARCH_SHARE, s]
             if last_share < 1.0:
                 part_of_rest = (share - last_share) / (1.0 - last_share)
-                last += part_of_rest * (part.state[i, PREDICTION, s] - last)
-            part.state[i, SEARCH_END, s] = last
+                mean = part.state[i, FIRST_RATE, s] + 0.5 * part_of_rest * part.state[i, CHANGE, s]
+                if last_share > 0.0:
+                    rest = part.state[i, PREDICTION, s] - part.state[i, SEARCH_END, s]
+                    mean = rest / ((1.0 - last_share) * timing.step)
+                part.state[i, SEARCH_END, s] += (share - last_share) * timing.step * mean
             part.state[i, SEARCH_SHARE, s] = share
+
+
+@kernel
+def ends_at_turn(part, i):
+    """Return where (lanes, below 0) the search for latch i goes on in the next step from where its
+    coordinate turned back in this one: friction, which stops in the second half of a step, turns or
+    holds in the next."""
+    first = load(part.state, i, FIRST_RATE)
+    turns = first * (first + load(part.state, i, CHANGE))
+    turns = where_negative(turns, -absolute(load(part.state, i, BRAKE_MOMENT)), 1.0)
+    return where_negative(-1.0 * load(part.state, i, SEARCH_SHARE), 1.0, turns)
 
 
 @hook(Latches)
@@ -165,7 +228,7 @@ def work_after(part, world, timing):
             continue
         moment = moment_of(part.turns, part.turn[i], timing, world)
         if timing.time == 0.0:
-            begin_loss(part, world, timing, i, moment, WORKS)
+            begin_loss(part, world, timing, i, moment, moment, WORKS)
         impulse = timing.kick * moment
         store(part.state, i, latch.MOMENT, moment)
         store(part.state, i, latch.IMPULSE, load(part.state, i, latch.IMPULSE) + impulse)
@@ -174,8 +237,14 @@ def work_after(part, world, timing):
         end, rest = predict(part, i, timing), 1.0 - load(part.state, i, SEARCH_SHARE)
         rest = where_negative(rest - SAME_TIME, SAME_TIME, rest)
         rate = (end - load(part.state, i, SEARCH_END)) / (timing.step * rest)
-        store(part.rates, i, LAST, rate)
-        store(part.state, i, SEARCH_END, end)
+        turns = ends_at_turn(part, i)
+        first, change = load(part.state, i, FIRST_RATE), load(part.state, i, CHANGE)
+        share = -1.0 * first / change
+        vertex = load(part.state, i, SEARCH_END) + 0.5 * timing.step * share * first
+        store(part.rates, i, LAST, where_negative(turns, 0.0, rate))
+        store(part.state, i, SEARCH_END, where_negative(turns, vertex, end))
+        share = where_negative(turns, 2.0 * share - 1.0, load(part.state, i, SEARCH_SHARE))
+        store(part.state, i, SEARCH_SHARE, share)
         time = timing.time - 0.5 * timing.step - load(part.state, i, latch.CATCH_TIME)
         impact = where_negative(age - 3.5, impulse, -1.0 * time * moment)
         impact = where_negative(age - 4.5, impact, 0.0)
@@ -193,4 +262,5 @@ def record_step(part, world, row, timing):
         store(part.track, index, 0, moment)
         store(part.track, index, 1, load(part.state, i, latch.IMPULSE) - impulse)
         store(part.track, index, 2, load(part.state, i, latch.CATCH_RATE))
-        store(part.track, index, 3, load(part.state, i, IMPACT))
+        impact, first = load(part.state, i, IMPACT), load(part.state, i, CATCH_IMPULSE)
+        store(part.track, index, 3, where_negative(load(part.state, i, AGE) - 3.5, first, impact))

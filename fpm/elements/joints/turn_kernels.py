@@ -4,13 +4,14 @@ The impulse of a step is known when all else is; its moment is that by the lengt
 the trapezium rule it does half of its work on the way to the positions at which it acts, and half
 on the way from there, as all other moments do (losses_kernels.add_loss)."""
 
+from fpm.elements.cables.cable_kernels import TINY
 from fpm.elements.joints.closure import mean_force
-from fpm.elements.joints.joint_arrays import RATE, TURN_IMPULSE
+from fpm.elements.joints.joint_arrays import FREE_RATE, HOLDS, RATE, TURN_IMPULSE
 from fpm.elements.openings.losses_kernels import RATE as START_RATE
 from fpm.elements.openings.opening_kernels import MOMENT as OPENING_MOMENT
 from fpm.elements.openings.opening_kernels import NEW, OLD, WORK
 from fpm.kernels.hooks import hook
-from fpm.kernels.lanes import load, store, where_negative
+from fpm.kernels.lanes import absolute, load, store, where_negative
 from fpm.kernels.layout import ACCOUNTS, KINETIC
 from fpm.kernels.vectors import kernel
 
@@ -112,11 +113,33 @@ def end_work_of(part, world, i, moment, first, sign):
 
 
 @kernel
-def begin_loss(part, world, timing, i, moment, first):
+def is_latched(turns, h, t):
+    """Return -1 (lanes) where a latch other than condition t holds the joint coordinate of hinge h
+    exactly, else 1. turns: Turns."""
+    result = 0.0 * load(turns.state, t, HOLDS) + 1.0
+    for neighbour in range(turns.hinge.shape[0]):
+        if neighbour != t and turns.hinge[neighbour] == h:
+            result = where_negative(load(turns.state, neighbour, HOLDS) + 1.5, -1.0, result)
+    return result
+
+
+@kernel
+def begin_loss(part, world, timing, i, moment, solved_moment, first):
     """Store as WORK_DUE of element i the energy (J) that its `moment` (N m) takes in the first kick
     beyond its work by the mean rate after it: half of its impulse times the change of the rate. By
     just that the kinetic energy of velocities reflected about the start (`reflect`) is too small,
-    which a stop within the first step makes most of it."""
-    change = load(part.turns.state, part.turn[i], RATE) - load(part.rates, i, START_RATE)
+    which a stop within the first step makes most of it. Where a hold changed the rate, its part of
+    the moment, `solved_moment` (N m), tells the inertia; with that the energy is that of all that
+    changed the rate, weight, loads and dampers too."""
+    turns, t = part.turns.state, part.turn[i]
+    rate, free = load(turns, t, RATE), load(turns, t, FREE_RATE)
+    change = rate - load(part.rates, i, START_RATE)
     loss = 0.5 * change * moment / mean_force(world, timing)
-    store(part.state, i, first + WORK_DUE, where_negative(loss, 0.0, loss))
+    loss = where_negative(loss, 0.0, loss)
+    by_hold = rate - free
+    is_small = absolute(by_hold) - 1e-6 * absolute(change) - TINY
+    whole = 0.5 * change * change * solved_moment / mean_force(world, timing)
+    whole = whole / where_negative(is_small, 1.0, by_hold)
+    is_held = where_negative(load(turns, t, HOLDS), -1.0, is_latched(part.turns, part.hinge[i], t))
+    whole = where_negative(is_small, loss, whole)
+    store(part.state, i, first + WORK_DUE, where_negative(is_held, whole, loss))

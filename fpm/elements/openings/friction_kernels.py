@@ -5,12 +5,14 @@ from typing import NamedTuple
 import numpy as np
 
 from fpm.elements.joints.closure import mean_force
+from fpm.elements.joints.joint_arrays import BRAKE as TURN_BRAKE
 from fpm.elements.joints.joint_arrays import HOLDS, RATE, SOLVED_IMPULSE, TARGET, Turns
 from fpm.elements.joints.turn_kernels import (
     HOLD_MOMENT,
     add_late_moment,
     begin_loss,
     end_work_of,
+    is_latched,
     moment_of,
     register_losses,
 )
@@ -158,9 +160,11 @@ def slow_down(part, world, i, timing):
     hold = load(part.turns.state, part.turn[i], HOLDS)
     moment = -1.0 * load(part.state, i, SIGN) * load(part.numbers, i, FRICTION)
     moment = where_negative(hold, 0.0, moment)
+    moment = where_negative(is_latched(part.turns, h, part.turn[i]), 0.0, moment)
     store(part.state, i, BRAKE, moment)
     store(part.state, i, LAST_BRAKE, moment)
     store(part.state, i, CHANGES_LEFT, CHANGES)
+    store(part.turns.state, part.turn[i], TURN_BRAKE, moment)
     turn(part.openings, world.state, h, moment)
 
 
@@ -256,6 +260,9 @@ def decide(part, world, timing):
     for i in range(part.hinge.shape[0]):
         if part.turn[i] < 0:
             continue
+        latch_sign = is_latched(part.turns, part.hinge[i], part.turn[i])
+        if any_negative(latch_sign):
+            relieve(part, world, timing, i, latch_sign)
         t, changes = part.turn[i], load(part.state, i, CHANGES_LEFT)
         hold, sign = load(part.turns.state, t, HOLDS), load(part.state, i, SIGN)
         reserve = load(part.numbers, i, FRICTION) - absolute(
@@ -266,8 +273,33 @@ def decide(part, world, timing):
         slips = where_negative(hold, reserve, 1.0)
         turns = where_negative(is_first, 1.0, speed)
         sticks = where_negative(is_first, where_negative(changes - 1.5, 1.0, speed), 1.0)
+        slips = where_negative(latch_sign, 1.0, slips)
+        turns = where_negative(latch_sign, 1.0, turns)
+        sticks = where_negative(latch_sign, 1.0, sticks)
         if any_negative(slips) or any_negative(turns) or any_negative(sticks):
             change(part, world, timing, i, slips, turns, sticks)
+
+
+@kernel
+def relieve(part, world, timing, i, latch_sign):
+    """Let element i bear nothing where `latch_sign` (lanes) is below 0, as a latch holds its joint
+    from part.turns.impact on: in the kick of that step it brakes up to then, also where it turned
+    after a share f of the kick and would have (1 - 2 f) of its moment."""
+    t, old = part.turn[i], load(part.state, i, BRAKE)
+    hold, changes = load(part.turns.state, t, HOLDS), load(part.state, i, CHANGES_LEFT)
+    share, last = load(part.turns.impact, 0, 0), load(part.state, i, LAST_BRAKE)
+    share = 2.0 * share if timing.time == 0.0 else 0.5 + share
+    brake = share * where_negative(-absolute(last), last, old)
+    has_turned = -absolute(last) * absolute(old - last)
+    brake = where_negative(has_turned, (1.0 - share) * last - old, brake)
+    is_new = where_negative(latch_sign, -0.5 - changes, 1.0)
+    brake = where_negative(is_new, brake, old)
+    if any_negative(-absolute(brake - old)) or any_negative(where_negative(is_new, hold, 1.0)):
+        push(part.openings, world, part.hinge[i], (brake - old) / mean_force(world, timing))
+        world.undecided[0] = 1
+    store(part.state, i, BRAKE, brake)
+    store(part.state, i, CHANGES_LEFT, where_negative(is_new, -1.0, changes))
+    store(part.turns.state, t, HOLDS, where_negative(latch_sign, 1.0, hold))
 
 
 @kernel
@@ -308,8 +340,9 @@ def change(part, world, timing, i, slips, turns, sticks):
     target = where_negative(turns, target, load(part.turns.state, t, TARGET))
     store(part.turns.state, t, TARGET, target)
     is_change = where_negative(slips, -1.0, where_negative(turns, -1.0, sticks))
-    changes = load(part.state, i, CHANGES_LEFT)
+    changes, brake = load(part.state, i, CHANGES_LEFT), load(part.turns.state, t, TURN_BRAKE)
     store(part.state, i, CHANGES_LEFT, where_negative(is_change, changes - 1.0, changes))
+    store(part.turns.state, t, TURN_BRAKE, where_negative(is_change, 0.0, brake))
     world.undecided[0] = 1
 
 
@@ -324,4 +357,4 @@ def work_after(part, world, timing):
         add_late_moment(part.openings.moments, part.openings, part.hinge[i], late_moment)
         end_work_of(part, world, i, moment, WORKS, -1.0)
         if timing.time == 0.0:
-            begin_loss(part, world, timing, i, moment, WORKS)
+            begin_loss(part, world, timing, i, moment, late_moment, WORKS)

@@ -1,11 +1,12 @@
 """Catching, moments, energies, losses and events of latches; what is theirs alone that hold exactly
 is in joints/rigid_latch_kernels.py."""
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 
-from fpm.elements.joints.joint_arrays import Turns
+from fpm.elements.joints.joint_arrays import FREE_RATE, Turns
 from fpm.elements.openings.losses_kernels import RATE, add_loss, follow_rate, onset, press
 from fpm.elements.openings.opening_kernels import NEW, OLD, Openings, turn
 from fpm.kernels.hooks import hook
@@ -27,7 +28,9 @@ NEWS = 3  # of this step: 1 caught, 2 missed
 CATCH_TIME = 4  # time of that
 CATCH_RATE = 5  # rate of the opening when it caught
 MOMENT, IMPULSE = 6, 7  # on the hinge's second particle
-WORKS = 8  # of turn_kernels; it and those below: of latches that hold exactly
+FIRST_RATE = 8  # rate of the opening at the start of this step, by the parabola through its ends
+CHANGE = 9  # and the change of that rate in the step
+WORKS = 10  # of turn_kernels; it and those below: of latches that hold exactly
 AGE = WORKS + 2  # steps in which it has held
 IMPACT = AGE + 1  # impulse with which it caught
 PREDICTION = IMPACT + 1  # opening that is foreseen for the end of this step
@@ -35,7 +38,9 @@ SEARCH_END = PREDICTION + 1  # opening up to which it has looked, as foreseen in
 SEARCH_SHARE = SEARCH_END + 1  # share of this step after which that is: others caught then
 FREE_END = SEARCH_SHARE + 1  # opening that was foreseen for the end of the step in which it catches
 CATCH_IMPULSE = FREE_END + 1  # that of the catch, by what it takes to hold it, 0: not known
-STATE = CATCH_IMPULSE + 1
+LEAD = CATCH_IMPULSE + 1  # steps from the time of the rate in `rates` to the start of this step
+BRAKE_MOMENT = LEAD + 1  # moment (N m) of exact friction on the joint that may turn in this step
+STATE = BRAKE_MOMENT + 1
 
 TRACK = 4  # recorded: moment, impulse, rate when it caught, impulse with which it caught
 
@@ -44,6 +49,9 @@ ANGLE_TOL = 1e-6
 
 AT_START = 1e-9
 """Openings (rad) beyond the reach that count as within it at the start of a run."""
+
+AT_REST = 1e-12
+"""Ways (rad) against a latch's direction that count as rest."""
 
 
 class Latches(NamedTuple):
@@ -68,69 +76,148 @@ def watch(part, i, h, timing):
     """Find out whether latch i on hinge h catches or misses in the step that ends now, where it has
     not caught yet. It catches within its capture range if no faster than its largest rate, and
     misses where it leaves that range faster."""
-    angles = part.openings.angles
-    reach = reach_of(part, i, load(angles, h, OLD), load(angles, h, NEW))
+    angles, last = part.openings.angles, load(part.rates, i, RATE)
+    start, end = load(angles, h, OLD), load(angles, h, NEW)
+    reach = reach_of(part, i, start, end, timing.step * last)
     if any_negative(where_negative(0.5 - load(part.state, i, IS_CAUGHT), 1.0, reach)):
+        store(part.state, i, LEAD, 0.0 if timing.time < 1.5 * timing.step else 0.5)
+        mean = (end - start) * (1.0 / timing.step)
+        free = mean
+        for t in range(part.turns.hinge.shape[0]):
+            if part.turns.hinge[t] == h:
+                free = load(part.turns.state, t, FREE_RATE)
+        find_path(part, i, mean, free)
         for s in range(angles.shape[2]):
-            if part.state[i, IS_CAUGHT, s] == 0.0:
-                start, end = angles[h, OLD, s], angles[h, NEW, s]
-                pass_by(part, i, s, start, end, part.rates[i, RATE, s], timing.time, timing.step)
+            if part.state[i, IS_CAUGHT, s] > 0.0:
+                continue
+            first, last_angle = angles[h, OLD, s], angles[h, NEW, s]
+            if timing.time == 0.0:
+                catch_at_start(part, i, s, first, part.rates[i, RATE, s])
+            else:
+                follow_path(part, i, s, first, last_angle, timing.time - timing.step, timing.step)
 
 
 @kernel
-def reach_of(part, i, start, end):
-    """Return by how far (rad) coordinates from `start` to `end` stay clear of latch i's range."""
+def reach_of(part, i, start, end, last_way):
+    """Return by how far (rad) the path from `start` to `end` in a step stays clear of latch i's
+    range. last_way: way (rad) at the rate before, from which the path may be bent."""
     distance = absolute(0.5 * (end + start) - load(part.numbers, i, ANGLE))
-    return distance - 0.5 * absolute(end - start) - load(part.numbers, i, CAPTURE_RANGE) - ANGLE_TOL
+    bend = 0.5 * absolute(end - start) + 0.5 * absolute(end - start - last_way)
+    return distance - bend - load(part.numbers, i, CAPTURE_RANGE) - ANGLE_TOL
 
 
 @kernel
-def pass_by(part, i, s, psi_start, psi_end, last_rate, end, step):
-    """Decide whether latch i of sample s catches or misses in a step; write coordinate (rad), rate
-    (rad/s) and time (s) of a catch to part.state, or that it missed.
+def find_path(part, i, mean, free):
+    """Store the path of latch i's coordinate in a step, a parabola: its rate (rad/s) at the start
+    and the change in the step, by the rate before. mean: rate of the step; free: the same before
+    friction turned or held the coordinate, which tells the path up to where that turns back."""
+    last, weight = load(part.rates, i, RATE), 1.0 / (0.5 + load(part.state, i, LEAD))
+    change, free_change = (mean - last) * weight, (free - last) * weight
+    rate, free_rate = mean - 0.5 * change, free - 0.5 * free_change
+    turns = free_rate * (free_rate + free_change)
+    store(part.state, i, FIRST_RATE, where_negative(turns, free_rate, rate))
+    store(part.state, i, CHANGE, where_negative(turns, free_change, change))
 
-    psi_start, psi_end: coordinate at both ends of the step (rad), linear between; last_rate: in the
-    step before (rad/s); end: time of the step's end (s), 0 at the start of a run, where both
-    coordinates are the same and the rate is `last_rate`; step: its length (s). `first` and `last`
-    (rad) are measured from the edge of the capture range that is met first. The rate is linear
-    through the middles of both steps: within the range it may fall to the largest one at which the
-    latch catches, or reverse into its direction, at a share of the step."""
-    angle, reach = part.numbers[i, ANGLE, s], part.numbers[i, CAPTURE_RANGE, s]
-    approach, half = part.numbers[i, APPROACH, s], (psi_end - psi_start) / step
-    if end == 0.0:
-        half = last_rate
-    sign = approach
-    if approach == 0.0:
-        sign = -1.0 if half < 0.0 else 1.0
-    first, last = sign * (psi_start - angle) + reach, sign * (psi_end - angle) + reach
-    is_entered = first < 0.0 and last >= 0.0 and end > 0.0
-    is_inside = 0.0 <= first <= 2.0 * reach and reach > 0.0
-    if end == 0.0:
-        is_inside = -AT_START <= first <= 2.0 * reach + AT_START
-    if not (is_entered or is_inside):
+
+@kernel
+def catch_at_start(part, i, s, angle, rate):
+    """Let latch i of sample s catch, or miss, at the start of a run, at an `angle` (rad) and `rate`
+    (rad/s) of its coordinate."""
+    distance = abs(angle - part.numbers[i, ANGLE, s])
+    sign = direction_of(part, i, s, rate)
+    if distance > part.numbers[i, CAPTURE_RANGE, s] + AT_START or sign * rate < 0.0:
         return
-    entry, change = -first / (last - first) if is_entered else 0.0, sign * (half - last_rate)
-    if end < 1.5 * step:  # the last rate is that at the start, half a step before
-        change *= 2.0
-    entry_rate = sign * half + (entry - 0.5) * change
-    rate = min(max(entry_rate, 0.0), part.numbers[i, MAX_RATE, s])
-    wait = 0.0
-    if rate != entry_rate:
-        wait = (rate - entry_rate) / change if change != 0.0 else -1.0
-    place = max(first, 0.0) + wait * (last - first)
-    if end == 0.0:
-        place = first
-    if 0.0 <= wait <= 1.0 - entry and (end == 0.0 or 0.0 <= place <= 2.0 * reach):
-        part.state[i, IS_CAUGHT, s] = 1.0
-        part.state[i, HOLD_ANGLE, s] = angle + sign * (place - reach)
-        part.state[i, SIGN, s] = sign
-        part.state[i, NEWS, s] = 1.0
-        part.state[i, CATCH_TIME, s] = end - (1.0 - entry - wait) * step if end > 0.0 else 0.0
-        part.state[i, CATCH_RATE, s] = sign * rate
-    elif last > max(first, 2.0 * reach) or (reach == 0.0 and entry_rate > 0.0):
-        fraction = (2.0 * reach - first) / (last - first) if end > 0.0 else 1.0
-        part.state[i, NEWS, s] = 2.0
-        part.state[i, CATCH_TIME, s] = end - (1.0 - fraction) * step
+    if sign * rate <= part.numbers[i, MAX_RATE, s]:
+        catch(part, i, s, angle, rate, 0.0, sign)
+    elif part.numbers[i, CAPTURE_RANGE, s] == 0.0:
+        miss(part, i, s, 0.0)
+
+
+@kernel
+def direction_of(part, i, s, motion):
+    """Return the sign of the rate with which latch i of sample s catches now. motion: with the sign
+    of its coordinate's rate, which counts where it catches from both sides."""
+    sign = part.numbers[i, APPROACH, s]
+    if sign == 0.0:
+        sign = -1.0 if motion < 0.0 else 1.0
+    return sign
+
+
+@kernel
+def catch(part, i, s, angle, rate, time, sign):
+    """Store that latch i of sample s catches at an angle (rad), rate (rad/s) and time (s)."""
+    part.state[i, IS_CAUGHT, s] = part.state[i, NEWS, s] = 1.0
+    part.state[i, HOLD_ANGLE, s] = angle
+    part.state[i, SIGN, s] = sign
+    part.state[i, CATCH_TIME, s] = time
+    part.state[i, CATCH_RATE, s] = rate
+
+
+@kernel
+def miss(part, i, s, time):
+    """Store that latch i of sample s misses at a time (s)."""
+    part.state[i, NEWS, s] = 2.0
+    part.state[i, CATCH_TIME, s] = time
+
+
+@kernel
+def follow_path(part, i, s, start, end, time, span):
+    """Decide whether latch i of sample s catches or misses on the way of its coordinate from
+    `start` to `end` (rad) in `span` seconds from a `time` (s) on: on the way to where it turns back
+    and on the way from there, if it does. part.state: FIRST_RATE and CHANGE of its parabola; after
+    the turn the way leads to `end`, which may have changed (friction that turns or holds)."""
+    rate, change = part.state[i, FIRST_RATE, s], part.state[i, CHANGE, s]
+    share, middle = 1.0, end
+    if rate * (rate + change) < 0.0:
+        share = -rate / change
+        middle = start + 0.5 * share * span * rate
+    pass_by(part, i, s, start, middle, rate, time, share * span)
+    if share < 1.0 and part.state[i, NEWS, s] == 0.0:
+        pass_by(part, i, s, middle, end, 0.0, time + share * span, (1.0 - share) * span)
+
+
+@kernel
+def pass_by(part, i, s, start, end, start_rate, time, span):
+    """Decide whether latch i of sample s catches or misses on a way that its coordinate does not
+    turn back on, from `start` to `end` (rad) in `span` seconds from a `time` (s) on, with a rate
+    that changes evenly from `start_rate` (rad/s). Ways are measured from the edge of the capture
+    range that is met first. Within the range the rate may fall to the largest one at which the
+    latch catches. A way on which friction pushes along is none: it turns or holds first."""
+    angle, reach = part.numbers[i, ANGLE, s], part.numbers[i, CAPTURE_RANGE, s]
+    sign, most = direction_of(part, i, s, end - start), part.numbers[i, MAX_RATE, s]
+    first, last = sign * (start - angle) + reach, sign * (end - angle) + reach
+    is_inside = 0.0 <= first <= 2.0 * reach and reach > 0.0
+    if last - first < -AT_REST or not (is_inside or first < 0.0 <= last):
+        return
+    if part.state[i, BRAKE_MOMENT, s] * (end - start) > 0.0:
+        return
+    begin_rate = max(sign * start_rate, 0.0)
+    final = max(2.0 * (last - first) / span - begin_rate, 0.0)
+    place = max(first, 0.0)
+    rate = rate_after(begin_rate, final, place - first, span)
+    if rate > most >= final:
+        wait = (begin_rate - most) / (begin_rate - final) * span
+        place, rate = first + 0.5 * (begin_rate + most) * wait, most
+    if rate <= most and place <= max(2.0 * reach, first):
+        wait = time_of(begin_rate, rate, place - first)
+        catch(part, i, s, angle + sign * (place - reach), sign * rate, time + wait, sign)
+    elif last > 2.0 * reach or reach == 0.0:
+        end_rate = rate_after(begin_rate, final, 2.0 * reach - first, span)
+        miss(part, i, s, time + time_of(begin_rate, end_rate, 2.0 * reach - first))
+
+
+@kernel
+def rate_after(begin_rate, final, distance, span):
+    """Return the rate (rad/s) after a `distance` (rad) on which it changes evenly, from
+    `begin_rate` to `final` in `span` seconds."""
+    square = begin_rate * begin_rate + 2.0 * (final - begin_rate) / span * distance
+    return math.sqrt(max(square, 0.0))
+
+
+@kernel
+def time_of(begin_rate, rate, distance):
+    """Return the time (s) of a `distance` (rad) on which the rate (rad/s) changes evenly."""
+    return 2.0 * distance / (begin_rate + rate) if begin_rate + rate > 0.0 else 0.0
 
 
 @kernel

@@ -35,7 +35,7 @@ the function that separates them is at least in proportion to it."""
 
 # By which volume fractions are uncertain, so that 95 % of those of known boxes lie within.
 _CONFIDENCE = 1.8
-_FOLDS = 8  # of runs, left out in turn
+_FOLDS, _DEVIATIONS = 8, 1.5  # of runs, left out in turn; of what is wrong there, likewise
 _LEVELS = (-0.7, -0.35, 0.0, 0.35, 0.7)  # of the function, at which runs are sought
 
 
@@ -104,7 +104,7 @@ class Occurrence:
     @cached_property
     def _missed(self) -> float:
         """Share of the box by which that with the event is wrong where folds of runs are left out,
-        with its deviation: in many directions, where all stretches may err to one side."""
+        with 1.5 deviations: in many directions, where all stretches may err to one side."""
         count, free = len(self.points), int(self._free.sum())
         rows = np.flatnonzero(is_general(self.points) & stands_alone(self.points))
         if free <= FEW or not len(rows):
@@ -116,7 +116,7 @@ class Occurrence:
             wrong[folds == fold] = found.astype(float) - self.happens[folds == fold]
         nearest = scipy.spatial.cKDTree(self.points[rows]).query(self._spread())[1]
         wrong = wrong[rows] * np.bincount(nearest, minlength=len(rows)) / _POINTS
-        return float(np.hypot(wrong.sum(), np.linalg.norm(wrong)))
+        return float(np.hypot(wrong.sum(), _DEVIATIONS * np.linalg.norm(wrong)))
 
     @cached_property
     def stretch_count(self) -> float:

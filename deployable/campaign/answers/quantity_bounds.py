@@ -12,13 +12,7 @@ from deployable.campaign.answers.limits import LimitSpec, assess_limits
 from deployable.campaign.plan.jobs import LANES
 from deployable.intervals.box import MOST_FULL, ROUNDING, is_general
 from deployable.intervals.designs import scan_points
-from deployable.intervals.scalars import (
-    TOLERANCE,
-    Climb,
-    FittedOccurrence,
-    Occurrence,
-    estimate_bounds,
-)
+from deployable.intervals.scalars import TOLERANCE, Climb, FittedOccurrence, estimate_bounds
 
 _MIN_FRACTION = 1e-3  # volume fraction of the box at which the search for a surface stops
 _STEPS = 4  # iterations of a search by single parameters, each in place of one of fewer parameters
@@ -320,10 +314,11 @@ def _find_deciding_points(
         points += [*border.infill_points(_FAILURE_POINTS if has_borders and spare > _SPARE else 0)]
     for limit in assessment.limits[: len(specs)] if has_borders else []:
         border = limit.border
-        if limit.surrogate.fit is not None and type(border) is not Occurrence:
+        if border is not None and not isinstance(border, FittedOccurrence):
+            is_open = border.open_fraction > _MIN_FRACTION
+            points += list(border.infill_points(_SURFACE if is_open else 0))
+        elif limit.surrogate.fit is not None:
             points += list(limit.fitted_border.infill_points(border_runs or 0))
-        elif border is not None and border.open_fraction > _MIN_FRACTION:
-            points += list(border.infill_points(_SURFACE))
     return model.find_missing(points)
 
 

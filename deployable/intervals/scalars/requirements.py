@@ -362,7 +362,7 @@ def find_halving(limits: Sequence[Limit], free: np.ndarray, nominal: np.ndarray,
                 rows = zip(parts[1:], scales[1:], strict=False)
                 changes.append([scale * np.mean(row - parts[0], axis=0) for row, scale in rows])
             shares = np.concatenate([shares, parts[0]])
-        fit_errors = _fit_share(limits, free) * _halving_errors(np.mean(changes, axis=0))
+        fit_errors = _halving_errors(np.mean(changes, axis=0), _fit_share(limits, free))
         share, gain = _with_gains(shares.mean(axis=0))
         means = _with_gains(shares.reshape(-1, size, 2).mean(axis=1))
         errors = np.zeros(2)
@@ -385,13 +385,14 @@ def _is_kept(limits: Sequence[Limit], lower: np.ndarray, upper: np.ndarray) -> b
     return all(limit.worst(lower, upper)[0] >= -limit.rounding for limit in limits)
 
 
-def _halving_errors(changes: np.ndarray) -> np.ndarray:
+def _halving_errors(changes: np.ndarray, fit_share: float) -> np.ndarray:
     """Errors of the share of the halved box and of the gain, by changes (n, 2) of the shares of the
-    halved and of the whole box. The two halves of the box, within and about the halved interval,
-    err each by itself: the gain is half their difference."""
+    halved and of the whole box; fit_share: what counts of the first (`_fit_share`). The two halves
+    of the box, within and about the halved interval, err each by itself: the gain is half their
+    difference."""
     # The share of the whole box is the mean of those of both halves: whole = (halved + rest) / 2.
     halved, rest = np.abs(changes[:, 0]), np.abs(2.0 * changes[:, 1] - changes[:, 0])
-    return np.array([halved.max(), np.hypot(halved, rest).max() / 2.0])
+    return np.array([fit_share * halved.max(), np.hypot(halved, rest).max() / 2.0])
 
 
 def _with_gains(shares: np.ndarray) -> np.ndarray:

@@ -15,6 +15,9 @@ MAX_DIMENSION = 60
 MOST_FULL = 8
 """Most parameters of which all corners are taken, and for which grids can be made."""
 
+FEW = 5
+"""Most parameters of which runs that vary one or two at a time tell enough of the whole box."""
+
 _MOST_CORNERS = 256  # of a box of more parameters
 
 ROUNDING = 1e-12
@@ -96,6 +99,13 @@ class Box:
             return axis_points(self.free)
         choices = [(-1.0, 1.0) if free else (0.0,) for free in self.free]
         return np.array(list(itertools.product(*choices)))
+
+
+def is_general(points: np.ndarray) -> np.ndarray:
+    """Mask (N) of points (N, k) in [-1, 1]^k that tell of the whole box: all, or of more than `FEW`
+    directions those that vary more than two at once, which those of grids do not."""
+    is_wide = (np.ptp(points, axis=0) > 0).sum() > FEW
+    return (points != 0).sum(axis=1) > (2 if is_wide else -1)
 
 
 def keys(points: np.ndarray, digits: int = 12) -> list[tuple[float, ...]]:

@@ -25,7 +25,7 @@ from evidence.results import Report, table
 from evidence.rows import Row, at_least, at_most, set_group
 from evidence.search.mechanisms_slides import crossing, swing
 
-DRAWS, CHUNK = 2**17, 2**13
+DRAWS, CHUNK = 2**18, 2**13
 RESOLUTION = 5e-4
 """Of true fractions: below it neither a miss nor its ratio counts."""
 TOLERANCE, MAX_RUNS = 0.05, 200
@@ -75,10 +75,9 @@ class ClosedBox:
         masks = self._masks(x)
         shares = {name: float(mask.mean()) for name, mask in masks.items()}
         for j in range(self.k):
-            half = np.where(np.arange(self.k) == j, x / 2, x)[: DRAWS // 4]
-            row = self._masks(half)["together"]
+            row = self._masks(np.where(np.arange(self.k) == j, x / 2, x))["together"]
             shares[f"halved {j}"] = float(row.mean())
-            shares[f"gain {j}"] = float(row.mean() - masks["together"][: len(half)].mean())
+            shares[f"gain {j}"] = float(row.mean() - masks["together"].mean())
         return shares
 
     def _masks(self, x: np.ndarray) -> dict[str, np.ndarray]:

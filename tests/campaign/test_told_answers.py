@@ -91,10 +91,10 @@ def test_a_share_has_the_digits_that_what_is_open_leaves(part, open_, text):
 def test_what_fails_only_where_it_does_not_happen_is_told_apart():
     """A speed at an event that does not happen everywhere breaks no limit where it does."""
     limit = {"quantity": "v", "kind": "at_most", "level": 2.0}
-    row = {"met": "some", "share": 0.955, "limits": [limit]}
+    row = {"met": "some", "share": 0.955, "share_uncertainty": 0.002, "limits": [limit]}
     v = {"name": "v", "happens": 0.955, "censored_at": None, "lower": 1.0, "upper": 1.5}
-    v["error"] = 0.1
-    assert happens_only(row, [v]) == "v"
+    v |= {"error": 0.1, "happens_uncertainty": 0.001}
+    assert happens_only(row, [v]) == happens_only(row, [{**v, "happens": 0.957}]) == "v"
     assert happens_only(row, [{**v, "happens": 0.96}]) is None
     other = {**row, "limits": [{**limit, "kind": "happens"}]}
     assert happens_only(other, [v]) is None

@@ -565,11 +565,14 @@ SHAPES = {
     "kinks": (3, lambda x: x.max(axis=1), 0.7, 12),
     "a jump": (2, lambda x: np.where(x.sum(axis=1) > 0.3, 1.0, 0.0) + 0.05 * x[:, 0], 0.5, 18),
     "a level just below a plateau": (4, settling, 0.9999, 30),
+    "powers of eight numbers": (8, lambda x: (x**4).sum(axis=1), 2.0, 20),
+    "an exponential of seven": (7, lambda x: np.exp(x.sum(axis=1)), 0.65, 20),
+    "a wave across seven": (7, lambda x: np.sin(x.sum(axis=1)), 0.5, 40),
 }
 
 
 @pytest.mark.parametrize("shape", SHAPES)
-def test_shares_beside_kinks_plateaus_and_jumps_lie_within_their_uncertainty(shape):
+def test_shares_of_closed_forms_lie_within_their_uncertainty(shape):
     """By runs of a sparse grid and others spread over the box."""
     k, function, level, count = SHAPES[shape]
     grid = make_design("smolyak", k, order=2).points

@@ -10,7 +10,7 @@ import numpy as np
 from deployable.campaign.answers.evaluations import SAME_POINT, ModelEvaluator
 from deployable.campaign.answers.limits import LimitSpec, assess_limits
 from deployable.campaign.plan.jobs import LANES
-from deployable.intervals.box import MOST_FULL, ROUNDING
+from deployable.intervals.box import MOST_FULL, ROUNDING, is_general
 from deployable.intervals.designs import scan_points
 from deployable.intervals.scalars import TOLERANCE, Climb, FittedOccurrence, estimate_bounds
 
@@ -201,7 +201,8 @@ class _Climbs:
     def missing_points(self, surrogates: Sequence[Any]) -> np.ndarray:
         """Points (P, k) of runs that tell whether searches missed a part of the box: none where all
         quantities are smooth; else the corners, if these are few, and points spread over the
-        box, so that there are eight runs for each parameter; where a quantity has no value and no
+        box, so that there are eight runs for each parameter (of many that vary more than two at
+        once); where a quantity has no value and no
         margin in any run four times as many, eight for each parameter at a time."""
         model = self.model
         if not self.climbs or not any(map(_is_rough, surrogates)):
@@ -214,7 +215,7 @@ class _Climbs:
             for s, margin in zip(surrogates, model.margins.T, strict=True)
         )
         total = _PARAMETER_RUNS * int(box.free.sum())
-        present = len(model.points) + len(corners)
+        present = int(is_general(model.points).sum()) + len(corners)
         count = min((_MOST_SPREAD if is_blank else 1) * total - present, total)
         if count <= 0:
             return np.reshape(corners, (-1, len(box.free)))
@@ -312,10 +313,12 @@ def _find_deciding_points(
         points += [assessment.doubt] if spare > 0 else []
         points += [*border.infill_points(_FAILURE_POINTS if has_borders and spare > _SPARE else 0)]
     for limit in assessment.limits[: len(specs)] if has_borders else []:
-        if limit.border is None and limit.surrogate.fit is not None:
+        border = limit.border
+        if border is not None and not isinstance(border, FittedOccurrence):
+            is_open = border.open_fraction > _MIN_FRACTION
+            points += list(border.infill_points(_SURFACE if is_open else 0))
+        elif limit.surrogate.fit is not None:
             points += list(limit.fitted_border.infill_points(border_runs or 0))
-        elif limit.border is not None and limit.border.open_fraction > _MIN_FRACTION:
-            points += list(limit.border.infill_points(_SURFACE))
     return model.find_missing(points)
 
 

@@ -401,8 +401,8 @@ def contact_bound(facts: Mapping) -> list[Mapping]:
 
 def happens_only(row: Mapping, quantities: Iterable[Mapping]) -> str | None:
     """Name the quantity of a requirement (`row`) that fails in part of the box only because the
-    quantity does not occur there: where it occurs, its bounds keep all limits by their error. None
-    for any other requirement."""
+    quantity does not occur there: where it occurs, its bounds keep all limits by their error, and
+    the shares of both are equal within theirs. None for any other requirement."""
     rows = {quantity["name"]: quantity for quantity in quantities}
     limits = [limit for limit in row["limits"] if limit["kind"] != "happens"]
     names = {limit["quantity"] for limit in limits}
@@ -410,7 +410,9 @@ def happens_only(row: Mapping, quantities: Iterable[Mapping]) -> str | None:
         return None
     quantity = rows[names.pop()]
     is_kept = all(keeps(quantity, limit["kind"], limit["level"]) for limit in limits)
-    return quantity["name"] if is_kept and quantity["happens"] == row["share"] else None
+    errors = row["share_uncertainty"] + (quantity["happens_uncertainty"] or 0.0)
+    is_equal = abs(quantity["happens"] - row["share"]) <= errors
+    return quantity["name"] if is_kept and is_equal else None
 
 
 def worst_case(limit: Mapping, row: Mapping, quantities: Iterable[Mapping]) -> Mapping:

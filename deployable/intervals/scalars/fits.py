@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import scipy
 
-from ..box import MOST_FULL, ROUNDING, keys
+from ..box import FEW, MOST_FULL, ROUNDING, is_general, keys
 from ..chebyshev import Formula, Surrogate, least_squares, polynomial, product_basis, total_degree
 from ..errors import IntervalError
 from ..estimates import power_mean
@@ -184,7 +184,8 @@ class Fit:
         median size of all if larger. Along a limit-state surface errors of both signs cancel, so
         that the largest tells too much; beside a kink or jump the median of those near by, of which
         some lie on its other side, too little. Runs next to which others were made are predicted
-        better than the rest of the box, and do not count, as long as others do."""
+        better than the rest of the box, and do not count, as long as others do. In many directions
+        runs that vary one or two parameters, as those of grids, do not either."""
         tree, sizes = self._lone_runs
         count = min(2 * int((np.ptp(self.points, axis=0) > 0).sum()) + 3, len(sizes))
         rows = tree.query(points, count)[1].reshape(len(points), count)
@@ -193,9 +194,10 @@ class Fit:
     @cached_property
     def _lone_runs(self) -> tuple[scipy.spatial.KDTree, np.ndarray]:
         """Runs that stand alone, as a tree, and the sizes of their leave-one-out errors."""
-        rows = np.flatnonzero(stands_alone(self.points))
-        if len(rows) < 2 * self.points.shape[1] + 3:
-            rows = np.arange(len(self.points))
+        is_lone, least = stands_alone(self.points), 2 * self.points.shape[1] + 3
+        masks = [is_lone & is_general(self.points), is_lone]
+        masks = [mask for mask in masks if mask.sum() >= least]
+        rows = np.flatnonzero(masks[0]) if masks else np.arange(len(self.points))
         return scipy.spatial.KDTree(self.points[rows]), np.abs(self.left_out[rows])
 
     def formula(self) -> Formula:
@@ -225,9 +227,9 @@ def choose_fit(points: np.ndarray, values: np.ndarray) -> Fit:
         raise IntervalError("values", "none or not finite", "a finite number for at least one run")
     rows = distinct(points)
     points, values = points[rows], level(values[rows])
-    is_wide = (np.ptp(points, axis=0) > 0).sum() > MOST_FULL
-    spline = None if is_wide else _spline(points, values)
-    sparse = _sparse(points, values) if is_wide else None
+    directions = (np.ptp(points, axis=0) > 0).sum()
+    spline = None if directions > MOST_FULL else _spline(points, values)
+    sparse = _sparse(points, values) if directions > FEW else None
     fits = [fit for fit in (*_polynomials(points, values), spline, sparse) if fit]
     best = min(fits, key=lambda fit: fit.mean_error)
     rivals = [fit for fit in fits if (fit is spline) != (best is spline)]

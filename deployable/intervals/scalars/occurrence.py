@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import scipy
 
+from ..box import FEW, is_general
 from ..chebyshev import Formula
 from ..designs import scan_points, spread_points
 from ..spline_equations import distinct, in_blocks, squares, stands_alone
@@ -34,6 +35,7 @@ the function that separates them is at least in proportion to it."""
 
 # By which volume fractions are uncertain, so that 95 % of those of known boxes lie within.
 _CONFIDENCE = 1.8
+_FOLDS, _DEVIATIONS = 8, 1.5  # of runs, left out in turn; of what is wrong there, likewise
 _LEVELS = (-0.7, -0.35, 0.0, 0.35, 0.7)  # of the function, at which runs are sought
 
 
@@ -92,10 +94,29 @@ class Occurrence:
         uncertain: less than `band`, as stretches of the border err to either side, each by itself;
         there are as many as runs that hold it (support vectors) and are apart from each other, but
         fewer where runs stand beside others: times the square of the share that does not.
-        1.8 over the root of their number times as much."""
+        1.8 over the root of their number times as much; in many directions at least what left-out
+        runs show to be on the wrong side."""
         if not self.is_mixed:
             return np.zeros(len(points))
-        return self.band(points) * min(1.0, _CONFIDENCE / np.sqrt(self.stretch_count))
+        least = 2.0 * self._missed / self.open_fraction if self._missed else 0.0
+        return self.band(points) * max(min(1.0, _CONFIDENCE / np.sqrt(self.stretch_count)), least)
+
+    @cached_property
+    def _missed(self) -> float:
+        """Share of the box by which that with the event is wrong where folds of runs are left out,
+        with 1.5 deviations: in many directions, where all stretches may err to one side."""
+        count, free = len(self.points), int(self._free.sum())
+        rows = np.flatnonzero(is_general(self.points) & stands_alone(self.points))
+        if free <= FEW or not len(rows):
+            return 0.0
+        wrong, folds = np.zeros(count), np.arange(count) % _FOLDS
+        for fold in range(_FOLDS):
+            x, happens = self.points[folds != fold], self.happens[folds != fold]
+            found = Occurrence(x, happens, reach=self.reach).evaluate(self.points[folds == fold])
+            wrong[folds == fold] = found.astype(float) - self.happens[folds == fold]
+        nearest = scipy.spatial.cKDTree(self.points[rows]).query(self._spread())[1]
+        wrong = wrong[rows] * np.bincount(nearest, minlength=len(rows)) / _POINTS
+        return float(np.hypot(wrong.sum(), _DEVIATIONS * np.linalg.norm(wrong)))
 
     @cached_property
     def stretch_count(self) -> float:

@@ -9,7 +9,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..box import FEW
 from ..designs import scan_points
+from .fits import choose_fit
 from .occurrence import FittedOccurrence, NearestOccurrence, Occurrence
 from .surrogate import ScalarSurrogate
 
@@ -21,13 +23,13 @@ _BLOCK, _RIVAL_SHARE = 64, 4  # lines; of one in so many the other kind of fits 
 _BISECTIONS = 24  # for the scale up to which limits are satisfied
 _NEXT, _TINY = 16, 1e-300  # runs next to a border; a distance from it that is none
 _CLEARLY = 0.5  # of what a fit leaves open: a border by runs that leaves less is taken instead
+_RANGE = 2.0  # factor between numbers from which their logarithms are fitted, too
 _FACTOR, _LEAST_COUNT = 2.0, 5  # times the volume of so many runs at least, told wrongly: likewise
 _PART = 2.0**0.5  # of a border that counts in part, fewer stretches err each by itself
 _RIVALRY = 10.0  # times the errors of the fit: kinds that predict worse have no say in proportion
 _FIT_SHARE = 0.8  # of what errors of fits alone change, in several directions, where they cancel
 _NEAREST_SAY = 2.5  # times what the border of the nearest runs changes: two deviations, calibrated
 _STRETCHES = 5.0  # of a border: with more than these the nearest runs say less
-_DIRECTIONS = 5  # directions in which a border by runs is not biased by the corners of the box
 _ROUNDING = 1e-9  # of the width of the runs: by so much an extreme may be beyond a limit
 _OUTLOOK, _BATCHES = 512, 8  # lines along a halved interval at first; their sets, each by itself
 _MOST_VALUES = 40_000_000  # points on such lines, times runs
@@ -49,7 +51,7 @@ class Limit:
     level: float
     run_error: float = 0.0
     border_error: float = 0.0
-    by_nearest: bool = False
+    is_rival: bool = False
 
     def conditions(
         self, points: np.ndarray, cache: dict | None = None, has_errors: bool = True
@@ -101,12 +103,12 @@ class Limit:
         if type(border) is Occurrence and border.is_mixed:
             nearest = NearestOccurrence(border.points, border.happens)
             rival = replace(rival, occurrence=nearest)
-        by_runs = self.kind != "happens" and self.border is not None
-        if by_runs:  # which no fit tells
+        has_border = self.kind != "happens" and self.border is not None
+        if has_border:  # which the fit of values does not tell
             rival = replace(rival, fit=self.surrogate.fit)
-        if rival is self.surrogate and not by_runs:
+        if rival is self.surrogate and not has_border:
             return None
-        return replace(self, surrogate=rival, by_nearest=True)
+        return replace(self, surrogate=rival, is_rival=True)
 
     @cached_property
     def rivalry(self) -> float:
@@ -117,44 +119,54 @@ class Limit:
         counts = [x.stretch_count for x in borders if type(x) is Occurrence and x.is_mixed]
         if counts:
             return _NEAREST_SAY * min(1.0, (_STRETCHES / min(counts)) ** 0.5)
-        fits = [self.surrogate.fit, getattr(self.surrogate.occurrence, "fit", None)]
+        fits = [getattr(x, "fit", None) for x in (borders[1] or self.surrogate, borders[0])]
         pairs = [(fit.mean_error, fit.rival.mean_error) for fit in fits if fit and fit.rival]
         ratios = [_RIVALRY * mean / rival_mean for mean, rival_mean in pairs if rival_mean > 0]
         return min(1.0, max(ratios, default=1.0))
 
     @cached_property
     def border(self) -> Any:
-        """The border by runs alone between those that keep the level and those that do not, where
-        it leaves less of the box open than the fit does, or than the volume next to runs whose side
-        the fit to all others tells wrongly, as beside steps, plateaus and jumps; in many
+        """The border between where the level is kept and where not, if the fit of values does not
+        give it: by the fit of their logarithms, where that leaves less open; or by runs alone where
+        that leaves less of the box open than the fit does, or than the volume next to runs whose
+        side the fit to all others tells wrongly, as beside steps, plateaus and jumps; in many
         directions, where one run in a corner says little, also less than by the usual errors."""
         fit = self.surrogate.fit
         if fit is None:
             return None
-        margins = self.find_margins(fit.values)
-        border = Occurrence(fit.points, margins >= 0)
+        by_fit = self.fitted_border
+        border, level = Occurrence(by_fit.points, by_fit.happens), by_fit.latest
         if not border.is_mixed:
             return None
-        is_wrong = (self.find_margins(fit.values - fit.left_out) >= 0) != (margins >= 0)
-        is_wrong &= np.abs(fit.left_out) > _ROUNDING * np.ptp(fit.values)
-        by_fit = self.fitted_border
+        values, left_out = by_fit.fit.values, by_fit.fit.left_out
+        is_wrong = (values - left_out > level) != (values > level)
+        is_wrong &= np.abs(left_out) > _ROUNDING * np.ptp(values)
         most = _CLEARLY * by_fit.open_fraction
         if is_wrong.sum() >= _LEAST_COUNT:
             most = max(most, _FACTOR * float(is_wrong @ border.cells))
-        is_wide = (np.ptp(fit.points, axis=0) > 0).sum() > _DIRECTIONS
-        if is_wide and border.usual_open_fraction >= by_fit.usual_open_fraction:
+        is_wide = (np.ptp(fit.points, axis=0) > 0).sum() > FEW
+        if border.open_fraction < most and not (
+            is_wide and border.usual_open_fraction >= by_fit.usual_open_fraction
+        ):
+            return NearestOccurrence(border.points, border.happens) if self.is_rival else border
+        if by_fit.fit is fit:
             return None
-        if border.open_fraction >= most:
-            return None
-        return NearestOccurrence(fit.points, border.happens) if self.by_nearest else border
+        return replace(by_fit, fit=by_fit.fit.rival or by_fit.fit) if self.is_rival else by_fit
 
     @cached_property
     def fitted_border(self) -> FittedOccurrence:
         """The border by the fit between where the quantity, which has one, keeps the level and
-        where not."""
-        fit = self.surrogate.fit
+        where not; or by a fit of logarithms, in which products are sums, where numbers have the
+        sign of the level, differ by more than a factor of 2, and less is open."""
+        fit, sign = self.surrogate.fit, 1.0 if self.kind == "at_most" else -1.0
         is_kept = self.find_margins(fit.values) >= 0
-        return FittedOccurrence(fit.points, is_kept, fit, fit.error, self.level)
+        border = FittedOccurrence(fit.points, is_kept, fit, fit.error, self.level)
+        ratios = fit.values / self.level if self.level else 0.0 * fit.values
+        if border.is_mixed and ratios.max() > _RANGE * ratios.min() > 0:
+            logs = choose_fit(fit.points, sign * np.sign(self.level) * np.log(ratios))
+            by_logs = FittedOccurrence(logs.points, logs.values <= 0, logs, logs.error, 0.0)
+            border = min(border, by_logs, key=lambda x: x.usual_open_fraction)
+        return border
 
     @cached_property
     def _steepness(self) -> float:
@@ -288,13 +300,19 @@ def shares_of_box(
         sizes = np.abs(np.concatenate(changes, axis=1).mean(axis=1)).tolist()
         for i, row, change, deviation in zip(numbers, means, sizes, deviations, strict=True):
             fraction, least, most, coarse = row
-            is_whole = single or any(limit.run_error or limit.border_error for limit in sets[i])
             open_ = max(most - fraction, fraction - least, change)
-            open_ = open_ * (1.0 if is_whole else _FIT_SHARE) + abs(coarse - fraction)
+            open_ = open_ * _fit_share(sets[i], free) + abs(coarse - fraction)
             if fraction == 1 and len(starts) > 1 and not _is_kept(sets[i], *corners):
                 open_ += _MISSED_LINES / len(starts)
             shares[i] = fraction, float(np.hypot(open_, _STUDENT * deviation))
     return shares
+
+
+def _fit_share(limits: Sequence[Limit], free: np.ndarray) -> float:
+    """Share of what errors change that counts: less where all are those of fits, which cancel in
+    several directions."""
+    is_whole = free.sum() == 1 or any(limit.run_error or limit.border_error for limit in limits)
+    return 1.0 if is_whole else _FIT_SHARE
 
 
 class Halving(NamedTuple):
@@ -310,7 +328,7 @@ class Halving(NamedTuple):
 def find_halving(limits: Sequence[Limit], free: np.ndarray, nominal: np.ndarray, j: int) -> Halving:
     """Find what halving the interval of index `j` gains, on lines along it through the whole box,
     so that much of the error of a share cancels in the gain. Uncertainties are those of the fits
-    (`shares_of_box`) and twice the deviation by sets of lines, each scrambled by itself, which are
+    (`shares_of_box`) and the deviation by sets of lines, each scrambled by itself, which are
     added while it exceeds a quarter of the gain and a twentieth of what fails. All is certain only
     if the worst case of the halved box satisfies all limits; else three lines may be missed. free,
     nominal (k each): as elsewhere, normalized."""
@@ -344,10 +362,12 @@ def find_halving(limits: Sequence[Limit], free: np.ndarray, nominal: np.ndarray,
                 rows = zip(parts[1:], scales[1:], strict=False)
                 changes.append([scale * np.mean(row - parts[0], axis=0) for row, scale in rows])
             shares = np.concatenate([shares, parts[0]])
-        fit_errors = _halving_errors(np.mean(changes, axis=0))
+        fit_errors = _halving_errors(np.mean(changes, axis=0), _fit_share(limits, free))
         share, gain = _with_gains(shares.mean(axis=0))
         means = _with_gains(shares.reshape(-1, size, 2).mean(axis=1))
-        errors = np.zeros(2) if count == 1 else 2 * means.std(axis=0, ddof=1) / len(means) ** 0.5
+        errors = np.zeros(2)
+        if count > 1:
+            errors = _STUDENT * means.std(axis=0, ddof=1) / len(means) ** 0.5
         target = max(_WORTH * gain, _LEAST_WORTH * (1.0 - share + gain), *fit_errors)
         if 2 * count > most or count == 1 or errors.max() <= target:
             break
@@ -365,13 +385,14 @@ def _is_kept(limits: Sequence[Limit], lower: np.ndarray, upper: np.ndarray) -> b
     return all(limit.worst(lower, upper)[0] >= -limit.rounding for limit in limits)
 
 
-def _halving_errors(changes: np.ndarray) -> np.ndarray:
+def _halving_errors(changes: np.ndarray, fit_share: float) -> np.ndarray:
     """Errors of the share of the halved box and of the gain, by changes (n, 2) of the shares of the
-    halved and of the whole box. The two halves of the box, within and about the halved interval,
-    err each by itself: the gain is half their difference."""
+    halved and of the whole box; fit_share: what counts of the first (`_fit_share`). The two halves
+    of the box, within and about the halved interval, err each by itself: the gain is half their
+    difference."""
     # The share of the whole box is the mean of those of both halves: whole = (halved + rest) / 2.
     halved, rest = np.abs(changes[:, 0]), np.abs(2.0 * changes[:, 1] - changes[:, 0])
-    return np.array([halved.max(), np.hypot(halved, rest).max() / 2.0])
+    return np.array([fit_share * halved.max(), np.hypot(halved, rest).max() / 2.0])
 
 
 def _with_gains(shares: np.ndarray) -> np.ndarray:

@@ -273,10 +273,6 @@ def test_a_column_that_cannot_be_used_says_why(tmp_path, content, words):
     assert "; allowed: " in fault
 
 
-def test_there_are_shapes_enough():
-    assert len(RIGHT) + len(REFUSED) + len(UNUSABLE) >= 120
-
-
 def test_names_with_spaces_and_times_before_0(tmp_path):
     name = "/Root/Bench 3/Encoder CH01"
     file = read(tmp_path, f"t [s],{name} [mm]\n-0.5,1\n0,2\n0.5,3\n")

@@ -16,8 +16,6 @@ CONSTANT = (0.5,) * 5  # N m
 CASES = {
     "below the table": flap(table=((30.0, 31.0, 32.0, 33.0, 34.0), CONSTANT)),
     "past the table": flap(table=((-34.0, -33.0, -32.0, -31.0, -30.0), CONSTANT)),
-    "held": flap(**PANEL, latch={"angle": np.pi / 2, "stiffness": 100.0, "damping": 1.0}),
-    "undamped": flap(**PANEL, latch={"angle": np.pi / 2, "stiffness": 100.0}),
     "one-sided": flap(
         rate=1.0, spring=(1.0, 0.0),
         latch={"angle": 0.3, "stiffness": 100.0, "damping": 8.0, "holds": "one way"},
@@ -27,21 +25,9 @@ CASES = {
     "missed where it ends": flap(**PANEL, latch={  # at the same opening as the one before
         "angle": np.pi / 2 - 0.05, "stiffness": 100.0, "capture_range": 0.05,
         "max_capture_rate": 1.4}),
-    "slow enough": flap(
-        rate=-1.0, spring=(1.0, 0.0),
-        latch={"angle": -0.5, "stiffness": 100.0, "capture_range": 0.05, "max_capture_rate": 0.5},
-    ),
     "wrong side": flap(
         rate=1.0, spring=(4.0, 0.0), latch={"angle": 0.2, "stiffness": 100.0, "side": "above"}
     ),
-    "damper": flap(rate=1.0, damper=0.5),
-    "stops": flap(rate=1.0, friction={"moment": 0.2}),
-    "hits": flap(
-        rate=1.0, stop={"angle": 0.5, "side": "above", "stiffness": 300.0, "damping": 4.0}
-    ),
-    "bounces": flap(rate=1.0, spring=(1.0, 0.0),
-                    stop={"angle": 0.1, "side": "above", "stiffness": 300.0}),
-    "tape": flap(rate=1.0, table=TAPE),
 }  # fmt: skip
 RUN = {"duration": 4.0, "instants": 4001, "step": 2e-4}
 

@@ -81,7 +81,6 @@ ROWS = {
     "the other way": (least(first=1.5, last=0.0, travel=[1.5, 0.0]), "4.7.5.3", EVERY, "met in"),
     "no end stated": (
         least(travel=None), "4.7.5.3", EVERY, "partly analysed: met from 0 to 1.5 rad; no latch"),
-    "beyond the end": (least(last=1.6), "4.7.5.3", EVERY, "met in all"),
     "part of it fails": (least(-0.1, 0.2, last=0.1), "4.7.5.3", EVERY, "not met in at least"),
     "just by its error": (least(0.25, 0.5, error=0.25), "4.7.5.3", EVERY, "met in all"),
     "just from the start": (
@@ -92,9 +91,6 @@ ROWS = {
     "another moved that nothing couples": (
         least(openings=["h", "g"], apart=["g"]), "4.7.5.3", EVERY, "partly analysed: met from 0 to "
         "1.5 rad; nothing couples h and g, so that each needs a margin of its own"),
-    "all of a travel below 0": (
-        least(first=-1.5, last=0.0, travel=[-1.5, 0.0]), "4.7.5.3", EVERY,
-        "met in all of the box, by analysis of 9 runs"),
     "all of it but for a rounding": (
         least(first=-1.0 - 1e-7, last=-2.5 + 1e-7, travel=[-1.0, -2.5]), "4.7.5.3", EVERY,
         "met in all of the box, by analysis of 9 runs"),
@@ -135,16 +131,12 @@ ROWS = {
         one(1, 2, ("at_most", 3.0), doubt="the step decides", **STRESS), "4.7.5.2", "",
         "undecided: the step decides"),
     "one sign": (one(-5, 2, ("at_most", 3.0), **MOMENT), "4.7.5.4.4", BEAR, "partly analysed: met"),
-    "never left": (least(), "4.7.5.4.4", "cannot be left", "not analysed"),
     "a latch's moment": (one(-5, 2, **LATCHED), "4.7.5.4.3", LOADS, "not analysed: no allowable"),
     "its shock": (one(-5, 2, **LATCHED), "4.8.2.11", "", "reported"),
     # clearance
     "hardly three times": (
         one(3.08, 4.08, units="m", **GAP), CLEAR, "",
         "met in all of the box, by analysis of 9 runs: three times its tolerance is 3.06 m"),
-    "less than three times": (
-        one(2, 3, units="m", **GAP), CLEAR, "",
-        "not met in at least a part of the box: three times its tolerance is 3.06 m"),
     "within its error of three times": (
         one(3.065, 4.065, units="m", **GAP), CLEAR, "", "not met in at least a part of the box"),
     "a single number": (one(2, 2, ("at_least", 1.0), **GAP), CLEAR, "", "not analysed: it does"),

@@ -49,7 +49,7 @@ def draw(seed: int) -> dict:
 
 
 @pytest.mark.slow  # a time loop of its own
-@pytest.mark.parametrize("seed", [11, 30])
+@pytest.mark.parametrize("seed", [33])  # with a requirement and a choice
 def test_no_campaign_makes_more_runs_than_its_limit(seed, tmp_path, monkeypatch):
     made, simulate = set(), batch.simulate
 

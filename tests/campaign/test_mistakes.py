@@ -10,9 +10,6 @@ import pytest
 
 import fpm
 from deployable.campaign.cli import main
-from deployable.campaign.config.check import load_config
-from deployable.campaign.config.measured import measured_warnings
-from deployable.campaign.config.plausible import requirement_warnings
 from fpm import structures
 from fpm.structures import report
 from fpm.structures.plausible import warnings
@@ -286,15 +283,6 @@ def test_weight_does_not_hide_that_a_run_is_too_short():
     structure = structures.loads(STRUCTURE + "gravity: [0, 0, -9.81]\n")
     assert "6.283 N m of the springs and the weight" in "".join(warnings(structure.build(), 0.02))
     assert warnings(structure.build(), 2.0) == []
-
-
-def test_what_is_shipped_is_meant(request):
-    for path in (request.config.rootpath / "config").glob("*.yaml"):
-        campaign = load_config([path])
-        texts = campaign.experiment.warnings + requirement_warnings(campaign)
-        assert [*texts, *measured_warnings(campaign)] == [], path.stem
-    for path in (request.config.rootpath / "config/structures").glob("*.yaml"):
-        assert warnings(structures.load(path).build()) == [], path.stem
 
 
 def test_a_case_with_a_mistake_is_there_for_the_requirements(tmp_path, capsys, monkeypatch):

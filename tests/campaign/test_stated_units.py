@@ -15,6 +15,8 @@ from hypothesis import strategies as st
 
 from deployable.campaign.config.check import check_config, load_config
 from deployable.campaign.config.loader import read_file
+from deployable.campaign.config.measured import measured_warnings
+from deployable.campaign.config.plausible import requirement_warnings
 from deployable.campaign.config.sections import Campaign, as_json, digest, from_data
 from deployable.campaign.config.units import StatedUnits
 from deployable.campaign.errors import ConfigError
@@ -83,9 +85,11 @@ def in_folder(path: Path, monkeypatch) -> dict:
 
 @pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
 def test_shipped_campaigns_stated_with_units_are_the_same(path, monkeypatch):
-    """And come back from JSON."""
+    """And come back from JSON; nothing in them is warned of."""
     raw = in_folder(path, monkeypatch)
     expected = check_config(raw)
+    doubts = expected.experiment.warnings + requirement_warnings(expected)
+    assert [*doubts, *measured_warnings(expected)] == []
     rewriting = Rewriting(expected, copy.deepcopy(raw))
     assert sum(rewriting.count.values()) >= 2
     again = check_config(yaml.safe_load(yaml.safe_dump(rewriting.raw, sort_keys=False)))

@@ -112,6 +112,10 @@ TOLD = {
         f"in {a.meet['opens']} of the box",
         f"after {a.t_open.lower:.1f} s to more than {a.t_open.censored_at:g} s",
     ]},
+    "paper": {"README.md": lambda a: [
+        f"| {a.BD.largest_difference:.4f} m at {a.BD.time_of_largest_difference:.3f} s |",
+        f"| {a.vBz.largest_difference:.2f} m/s at {a.vBz.time_of_largest_difference:.3f} s (",
+    ]},
 }  # fmt: skip
 """For each campaign the pages that tell of it, and the texts that are there if they tell right."""
 
@@ -140,19 +144,37 @@ def test_a_page_tells_what_its_campaign_answers(name, shipped):
 
 
 @pytest.fixture
-def fewer(tmp_path):
+def changed(tmp_path):
+    """Runs a shipped campaign in which a text is replaced."""
+
+    def run_changed(name, old, new):
+        text = (ROOT / f"config/{name}.yaml").read_text(encoding="utf-8")
+        assert text.count(old) == 1
+        config = tmp_path / f"{name}.yaml"
+        config.write_text(text.replace(old, new), encoding="utf-8")
+        assert main(["run", str(config), "--results", str(tmp_path), "--no-figures"]) == 0
+        return answers(tmp_path / name)
+
+    return run_changed
+
+
+@pytest.fixture
+def fewer(changed):
     """Runs a scan with 64 of its 10,000 runs, which are the first of them."""
 
     def run_fewer(name):
-        text = (ROOT / f"config/{name}.yaml").read_text(encoding="utf-8")
-        config = tmp_path / f"{name}.yaml"
-        config.write_text(re.sub(r"\bsamples: 10000\b", "samples: 64", text), encoding="utf-8")
-        assert main(["run", str(config), "--results", str(tmp_path), "--no-figures"]) == 0
-        found = answers(tmp_path / name)
+        found = changed(name, "samples: 10000", "samples: 64")
         assert 64 <= found.runs <= 65  # the nominal one beside them
         return found
 
     return run_fewer
+
+
+@pytest.mark.slow
+def test_a_spline_through_the_papers_runs_gives_what_the_readme_says(changed):
+    found = changed("paper", "model: polynomial", "model: spline")
+    differences = found.BD.largest_difference, found.vBz.largest_difference
+    assert "gives {:.4f} m and {:.2f} m/s".format(*differences) in written("README.md")
 
 
 @pytest.mark.slow

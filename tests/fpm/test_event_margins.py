@@ -32,7 +32,7 @@ def panel(rest, friction=0.0, pin=PIN):
     return Curves(TIME, {}, {}, columns, np.array(events), (pin,), 0, 1e-3)
 
 
-@pytest.mark.parametrize("rest", [0.3, 0.6, 0.74, 0.749, 0.751, 0.76, 1.2])
+@pytest.mark.parametrize("rest", [0.3, 0.749, 0.751, 1.2])
 @pytest.mark.parametrize("friction", [0.0, 0.2])
 def test_it_is_the_energy_that_is_left_or_lacks(rest, friction):
     """Also where the joint sticks: it goes on smoothly where it no longer catches."""

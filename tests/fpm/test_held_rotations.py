@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+from asking import curves, vector, vectors
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
 import fpm
-from tests.fpm.test_bar_forces import MATERIAL, SECTION, curves, vector, vectors
 
 INERTIA = np.array([0.02, 0.05, 0.06])
 FRAME = Rotation.from_rotvec([0.3, -0.5, np.pi / 4]).as_matrix()
@@ -89,7 +89,8 @@ def test_the_stable_step_knows_which_own_axes_are_held():
     def step(turn: int) -> float:
         scene = fpm.Scene()
         ends, normal = np.roll([[0.0, 0, 0], [1.0, 0, 0]], turn, axis=1), np.roll([0.0, 0, 1], turn)
-        bar = scene.add_link(*ends, normal, SECTION, MATERIAL, 4)
+        shape = fpm.Section.rectangle(0.04, 0.02), fpm.Material(1e9, 0.3, 1000.0)
+        bar = scene.add_link(*ends, normal, *shape, 4)
         letters = "".join("xyz"[("xyz".index(a) + turn) % 3] for a in "xz")
         scene.fix(bar.particles, "", letters)
         return fpm.find_stable_step(scene).step

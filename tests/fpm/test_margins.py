@@ -42,9 +42,7 @@ def found(scene, definition):
     [
         ({"standard": "ecss-e-st-33-01c", **HARNESS}, 0.173069),
         ({"standard": "ecss-e-st-33-01c", "evidence": "measurement", **HARNESS}, 1.346137),
-        # (0.1 pi/2)/(3 (0.01 + 0.005 pi/2)) - 1, and with a factor of one's own
-        ({"standard": "nasa-std-5017b", **HARNESS}, 1.932672),
-        ({"standard": "nasa-std-5017b", "evidence": "spring out", **HARNESS}, 7.798016),
+        # with factors of one's own: (0.1 pi/2)/(0.01 + 0.005 pi/2) - 1
         ({"standard": "nasa-std-5017b", **HARNESS, "uncertainty_factors": {"FR": 1, "HA": 1}},
          7.798016),
         ({"standard": "aiaa-s-114", **HARNESS}, 3.399008),

@@ -1,15 +1,19 @@
-"""Laws that every scene must obey, on scenes and numbers drawn by hypothesis.
+"""Laws that every scene must obey, on scenes and numbers drawn by hypothesis: a run can be reversed
+and continued. That a scene moves alike where it is turned, mirrored, reordered or stated in other
+units is in tests/attack.
 
 The bounds are those of rounding, grown by the motion: hinges close to 2e-11 m and 2e-10 rad, and a
 run of some hundred steps carries that on.
 """
+
+from copy import copy
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
-from transforms import continued, mirrored, moved, reordered
 
 import fpm
 from evidence.linkage.runs import build
@@ -71,71 +75,19 @@ def run(*scenes: fpm.Scene, steps=400, step=None):
     return outcomes
 
 
-def run_each(*scenes: fpm.Scene, **more):
-    """The same for scenes that cannot share a batch."""
-    step = 0.5 * min(fpm.find_stable_step(s).step for s in scenes)
-    return [run(s, step=step, **more)[0] for s in scenes]
+def continued(scene: fpm.Scene, outcome: fpm.Outcome, direction: float) -> fpm.Scene:
+    """The scene at the end of a run, moving on (direction 1) or back (-1)."""
+    out, final = copy(scene), outcome.final
+    out.unstrained = scene.frame if scene.unstrained is None else scene.unstrained
+    out.position, out.frame = final.position, final.frame
+    out.velocity, out.spin = direction * final.velocity, direction * final.spin
+    openings = [float(opening[-1]) for opening in outcome.openings.values()]
+    out.hinges = [replace(h, opening=x) for h, x in zip(scene.hinges, openings, strict=True)]
+    return out
 
 
 def largest(values) -> float:
     return max(float(np.abs(v).max()) for v in values)
-
-
-def compare(first, second, matrix, shift=0.0, *, bound=1e-8):
-    """Points of `second` are those of `first` times a matrix (3, 3), plus a shift (m)."""
-    for name, (x, v) in first.points.items():
-        y, w = second.points[name]
-        assert largest([x @ matrix.T + shift - y]) < bound
-        assert largest([v @ matrix.T - w]) < bound * 1e3
-    for name, opening in first.openings.items():
-        assert largest([opening - second.openings[name]]) < bound * 1e1
-    scale = first.energies["kinetic"].max() + first.energies["strain"].max()
-    for kind in ("kinetic", "strain", "spring", "contact"):
-        assert largest([first.energies[kind] - second.energies[kind]]) < 1e3 * bound * scale
-
-
-@few
-@given(seeds, starts)
-def test_a_free_linkage_is_objective(seed, start):
-    """Turned and moved as a whole, it does the same there."""
-    random = np.random.default_rng(seed)
-    rotation, shift = Rotation.random(rng=random).as_matrix(), random.normal(size=3)
-    scene = linkage(start)
-    first, second = run(scene, moved(scene, rotation, shift))
-    compare(first, second, rotation, shift)
-
-
-@few
-@given(st.sampled_from(Rotation.create_group("O").as_matrix().tolist()), starts)
-def test_a_supported_linkage_is_objective(rotation, start):
-    """The same with supports, turned with the scene onto other global axes."""
-    rotation = np.round(rotation)
-    scene = linkage(start, "plane")
-    scene.velocity[:, 2] = 0.0
-    first, second = run_each(scene, moved(scene, rotation, np.ones(3)))
-    compare(first, second, rotation, np.ones(3))
-
-
-@pytest.mark.slow
-@few
-@given(seeds)
-def test_loads_and_weight_are_objective(seed):
-    random = np.random.default_rng(seed)
-    rotation, shift = Rotation.random(rng=random).as_matrix(), random.normal(size=3)
-    scene = loaded_bar(seed)
-    first, second = run(scene, moved(scene, rotation, shift))
-    compare(first, second, rotation, shift)
-
-
-@few
-@given(seeds, starts, st.integers(0, 2))
-@both
-def test_mirror_images_move_as_mirror_images(scenes, seed, start, normal):
-    mirror = np.eye(3)
-    mirror[normal, normal] = -1.0
-    scene = scenes(seed, start)[0]
-    first, second = run(scene, mirrored(scene, normal))
-    compare(first, second, mirror)
 
 
 @few
@@ -147,33 +99,6 @@ def test_the_linkage_keeps_its_own_symmetry(supports, start):
     (outcome,) = run(scene)
     a, b, c, d = (outcome.points[p][0] for p in "ABCD")
     assert largest([b - d * [1, -1, 1], a - c * [-1, 1, 1], b[:, 0], a[:, 1]]) < 1e-8
-
-
-@few
-@given(
-    st.floats(0.1, 10.0), st.floats(1e-3, 1e3), st.floats(1e-2, 1e2), starts,
-    st.sampled_from(["plane", "free"]),
-)  # fmt: skip
-def test_dimensional_analysis_scales_the_curves(length, modulus, density, start, supports):
-    """Lengths by s, E by e, rho by r: times by s sqrt(r/e), torsion springs per length by e s²."""
-    plain = {"L": 0.45, "a": 0.035, "E": 2e7, "rho": 800.0, "K_F": 5.0, "K_C": 1e4}
-    factors = {
-        "L": length, "a": length, "E": modulus, "rho": density,
-        "K_F": modulus * length**2, "K_C": modulus * length**2,
-    }  # fmt: skip
-    common = {"start": start, "supports": supports, "elements": 2}
-    first_scene = build(**plain, **common)
-    second_scene = build(**{k: v * factors[k] for k, v in plain.items()}, **common)
-    time = length * np.sqrt(density / modulus)
-    limits = [fpm.find_stable_step(s).step for s in (first_scene, second_scene)]
-    assert limits[1] == pytest.approx(time * limits[0], rel=1e-7)
-    (first,), (second,) = (
-        run(s, step=0.8 * limits[0] * f) for s, f in ((first_scene, 1.0), (second_scene, time))
-    )
-    for name, (x, v) in first.points.items():
-        y, w = second.points[name]
-        assert largest([x - y / length]) < 1e-7
-        assert largest([v - w / length * time]) < 1e-4
 
 
 @few
@@ -216,14 +141,3 @@ def test_a_run_can_be_continued(seed):
     (first,) = run(scene, step=step, steps=400)
     (second,) = run(continued(scene, first, 1.0), step=step, steps=400)
     assert largest([whole.final.position - second.final.position]) < 1e-10
-
-
-@few
-@given(seeds, starts)
-@both
-def test_the_order_of_particles_and_elements_does_not_matter(scenes, seed, start):
-    """Only the order of sums changes, hence rounding."""
-    random = np.random.default_rng(seed)
-    for scene in scenes(seed, start):
-        first, second = run_each(scene, reordered(scene, random))
-        compare(first, second, np.eye(3))

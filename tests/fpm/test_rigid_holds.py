@@ -2,28 +2,19 @@
 
 import numpy as np
 import pytest
-from rigid_holds import FAR, L, M, bars
+from rigid_holds import L, M, bars
 
 import fpm
 from fpm.elements import Hinge, Joint, Latch, Release, Turn
 
 G = 9.81
-NEVER = {"watch": 1, "level": -FAR}
 RUN = {"duration": 2.0, "instants": 2001, "step": 5e-4}
 CASES = {
     "caught": bars(rates=(0.3, 1.0), latch=0.4),
-    "going down": bars(rates=(0.2, -0.9), latch=-0.4, side="above"),
-    "falls": bars(gravity=G, latch=-0.3),
     "swings": bars(angles=(-1.2, -1.2), rates=(0.5, 2.5), gravity=G, latch=0.5),
     "missed": bars(rates=(0.3, 1.0), latch=0.4, max_capture_rate=0.5),
     "wrong side": bars(rates=(0.3, 1.0), latch=0.4, side="above"),
-    "tolerant": bars(rates=(0.3, 1.0), latch=0.4, capture_range=0.1),
     "never": bars(rates=(0.3, 1.0)),
-}
-HELD = {
-    "until a time": bars(gravity=G, hold={"time": 0.3217, **NEVER}),
-    "until an opening": bars(gravity=G, hold={"watch": 1, "level": -0.6}),
-    "and latches": bars(gravity=G, hold={"time": 0.3217, **NEVER}, latch=-0.3),
 }
 
 
@@ -36,11 +27,6 @@ def run(cases: dict, **more) -> dict:
 @pytest.fixture(scope="module")
 def ran():
     return run(CASES)
-
-
-@pytest.fixture(scope="module")
-def kept():
-    return run(HELD)
 
 
 def angles_of(outcome) -> np.ndarray:

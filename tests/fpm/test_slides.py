@@ -7,7 +7,7 @@ import fpm
 from evidence.extremes.stable_step import slides
 from evidence.verification.slides import scene_of_all
 from fpm.assembly import assemble
-from fpm.elements import Contact, Damper, Friction, Latch, Stop, SyncLoop, TorqueMotor
+from fpm.elements import Contact, Damper, Friction, Latch, Stop, SyncLoop
 from fpm.files import trajectory
 from fpm.reading import responses
 from fpm.scenes.timestep import find_stable_step
@@ -180,21 +180,3 @@ def test_the_stable_step_is_the_one_beyond_which_elastic_bars_break_down(number,
     name, scene, _ = list(slides(fast=True))[number]
     assert find_stable_step(scene).step == pytest.approx(limit, rel=0.02), name
     assert find_stable_step(scene).step < 1.0005 * limit, name
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("force", "speed"), [(3.0, 0.0), (1.9, 0.0), (0.0, 1.0), (-5.0, 1.0)])
-def test_friction_of_a_slide_sticks_and_slips_exactly(force, speed):
-    """A body of 2 kg under a constant force and friction of 2 N, in closed form; it may reverse."""
-    scene = bodies(1.0, 2.0)
-    slide = scene.add_slide("boom", (0, 1), (0.1, 0.2, 0.3), X)
-    scene.add(Friction(slide, 2.0, None))
-    scene.add(TorqueMotor(slide, force))
-    scene.velocity[1] = speed * X
-    (outcome,) = fpm.simulate([scene], duration=1.5, instants=16, step=1e-3)
-    brake = (2.0 - force) / 2.0
-    stop = speed / brake if speed else 0.0
-    push = np.sign(force) * max(abs(force) - 2.0, 0.0) / 2.0
-    early, late = np.minimum(outcome.time, stop), np.maximum(outcome.time - stop, 0.0)
-    exact = speed * early - brake * early**2 / 2 * bool(speed) + push * late**2 / 2
-    np.testing.assert_allclose(outcome.openings["boom"], exact, atol=2e-6)

@@ -7,8 +7,6 @@ from flaps import FAR, J, flap
 
 import fpm
 
-own_loop = pytest.mark.slow  # a time loop of its own
-
 PARTS = ("spring", "latch", "damper", "friction", "stop")
 LOSING = ("latch", "damper", "friction", "stop")
 DEFINITIONS = {
@@ -19,28 +17,12 @@ DEFINITIONS = {
     "all": {"loss": "all"},
     "account": {"energy": "joint_loss"},
     **{f"M {part}": {"joint_moment": "hinge", "part": part} for part in PARTS},
-    **{f"P {part}": {"joint_power": "hinge", "part": part} for part in PARTS},
     **{f"lost {part}": {"loss": part} for part in LOSING},
-    "turning": {"constraint_moment": "hinge", "component": "z"},
 }
 TIMES = {"duration": 1.0, "instants": 501, "step": 2e-4}
 
 
-@own_loop
-def test_a_spring_has_minus_k_psi_and_the_sum_turns_the_flap():
-    _, found, _ = curves(flap(rate=1.0, spring=(3.0, 0.4)), DEFINITIONS, **TIMES)
-    np.testing.assert_allclose(found["M spring"], -3.0 * (found["opening"] - 0.4), atol=1e-12)
-    assert np.array_equal(found["sum"], found["M spring"])
-    # ψ - 0.4 is a sine: its rate to 1e-6, as ω h = 6e-4 makes errors of its square.
-    time, turn = 0.002 * np.arange(501), np.sqrt(3.0 / J)
-    rate = np.cos(turn * time) + 0.4 * turn * np.sin(turn * time)
-    np.testing.assert_allclose(found["rate"], rate, atol=1e-6)
-    np.testing.assert_allclose(found["P spring"], found["M spring"] * found["rate"], atol=1e-12)
-    assert np.abs(found["turning"]).max() == 0.0  # a hinge bears no moment about its axis
-    assert np.abs(found["all"]).max() == 0.0
-
-
-@own_loop
+@pytest.mark.slow  # a time loop of its own
 def test_latch_and_stop_lose_what_the_account_of_all_has():
     """A flap that flies into a latch and, held by it, against a stop: by part and in sum, to 1e-4
     of the energy at first, which edges of springs between two steps leave."""

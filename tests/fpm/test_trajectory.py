@@ -76,11 +76,22 @@ def test_energies_that_the_structure_lacks_are_zero_and_take_no_room(outcome, da
         ({"reaction_force": "B", "component": "x"}, "one of A, C"),
         ({"loss": "friction"}, "one of all, damping, cables"),
         ({"acceleration": "B", "component": "w"}, "one of x, y, z, norm"),
+        ({"angular_velocity": "Z", "component": "x"}, "one of A, B, C, D"),
+        ({"constraint_force": "A"}, "constraint_force and component"),
+        ({"opening_rate": "A", "component": "x"}, "opening_rate alone"),
     ],
 )
 def test_unknown_responses_are_refused(definition, text):
     with pytest.raises(fpm.SceneError, match=text):
         fpm.responses.parse("r", definition, BENNETT.sample)
+
+
+def test_what_rigid_bodies_do_not_have_is_refused():
+    scene = scene_type("latch").sample
+    for definition, text in (({"stress": "panel"}, "only these have stress, and bodies are rigid"),
+                             ({"clearance": ["a", "b"]}, r"\(there is none\)")):  # fmt: skip
+        with pytest.raises(fpm.SceneError, match=text):
+            fpm.responses.parse("r", definition, scene)
 
 
 def test_a_file_comes_back_whole_and_tells_its_units(dataset, tmp_path):

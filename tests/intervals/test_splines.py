@@ -121,8 +121,8 @@ def test_runs_too_close_for_their_values_count_once_and_are_in_the_misfit():
     assert fit_spline(points, noise, np.ones(2)).misfit.max() < 1e-6
 
 
-@pytest.mark.parametrize("size", [0.0, 1e-323, 1e-316, 1e-308, 1e-300, 1e-20, 1e300])
-@pytest.mark.parametrize(("k", "moving"), [(1, 1), (2, 2), (4, 3), (4, 1)])
+@pytest.mark.parametrize("size", [0.0, 1e-316, 1e-300, 1e300])
+@pytest.mark.parametrize(("k", "moving"), [(1, 1), (4, 3), (4, 1)])
 def test_values_of_any_size_have_a_spline(k, moving, size):
     """Some parameters move nothing, others next to nothing: what stands still but for rounding has
     values below 1e-308, which have fewer digits than others."""
@@ -279,7 +279,7 @@ def test_the_error_of_sought_runs_is_near_the_true_one(dimension):
     assert error.mean() < 0.5 * largest.mean()
 
 
-@pytest.mark.parametrize("k", [1, 2, 4, 6])
+@pytest.mark.parametrize("k", [1, 6])
 def test_rounding_of_the_runs_moves_no_bound(k):
     """A search that has not converged makes a million times of it: 1 in 8 bounds of six parameters
     moved by up to 0.5 % of the values with coordinate-wise parabolas."""

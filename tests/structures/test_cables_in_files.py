@@ -122,15 +122,6 @@ def test_a_prism_of_three_struts_finds_its_form(risen):
         assert density["side2.side"] == pytest.approx(density["side1.side"], rel=1e-3)
 
 
-@pytest.mark.slow
-def test_the_winches_work_is_stored_and_lost(risen):
-    for outcome in risen:
-        last = {name: values[-1] for name, values in outcome.energies.items()}
-        assert last["reel"] > 0
-        held = last["kinetic"] + last["strain"] + last["cable"]
-        assert last["reel"] == pytest.approx(held + last["damping_work"], rel=1e-3)
-
-
 RING = """
 parameters: {n: {value: 4, whole: true}, R: {value: 2, unit: m}}
 materials: {steel: {E: 210 GPa, rho: 7850}}

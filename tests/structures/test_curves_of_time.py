@@ -11,7 +11,6 @@ from fpm.structures import StructureError
 from fpm.structures.text_file import loads
 from fpm.travel.components import components_of
 
-STEP = "10*u**3 - 15*u**4 + 6*u**5"
 FUNCTIONS = {
     "polynomial": (lambda u: 10 * u**3 - 15 * u**4 + 6 * u**5, 2),
     "thirteenth": (lambda u: u**13, 2),
@@ -59,7 +58,7 @@ NARROW = {  # integral and feature
     "min(1, max(0, (t - 0.3 s)/(1 us)))": (0.7 - 5e-7, np.inf),
 } | {
     f"max(0, 1 - abs(t - {place} s)/({width} us))": (width * 1e-6, width * 1e-6)
-    for place, width in ((0.5013, 0.2), (0.5013, 20), (0.51234, 40), (0.5013, 70), (0.51234, 100))
+    for place, width in ((0.5013, 0.2), (0.51234, 40), (0.51234, 100))
 }  # fmt: skip
 
 
@@ -109,34 +108,6 @@ curves: {{lift: {{{curve}}}}}
 actions: {{drive: {{type: motor, joint: rail, {motor}, curve: lift}}}}
 loads: {{none: {{part: ball, at: c, force: [0, height*high*(0 N/m), 0]}}}}
 """
-LIFTS = {
-    "turn": (f"expression: {STEP}, over: [0.2 s, 1200 ms]", "travel: height"),
-    "rate": ("expression: 30*u**2*(1 - u)**2, over: [0.2 s, 1.2 s]", "rate: height/(1 s)"),
-    "time": ("expression: '10*((t - 0.2 s)/(1 s))**3 - 15*((t - 0.2 s)/(1 s))**4 + 6*((t - 0.2 s)"
-             "/(1 s))**5', over: [0.2 s, 1.2 s]", "travel: height"),
-    "parameter": (f"expression: high*({STEP}), over: [0.2 s, 1.2 s]", "travel: height"),
-}  # fmt: skip
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("kind", LIFTS)
-def test_an_exact_motor_leads_without_a_blow_at_its_ends(kind):
-    curve, motor = LIFTS[kind]
-    scene, errors, at_ends = loads(SLIDER.format(curve=curve, motor=motor)).build(), [], []
-    for step in (4e-3, 2e-3):
-        (outcome,) = simulate(scene, duration=1.6, instants=201, step=step)
-        u = np.clip(outcome.time - 0.2, 0, 1)
-        force = 2 * 0.3 * (60 * u - 180 * u**2 + 120 * u**3)
-        error = np.abs(outcome.records["slide_motor_force"].values[:, 0] - force)
-        is_end = np.abs(u * (1 - u)) < 5e-3
-        errors.append(error[~is_end].max())
-        at_ends.append(error.max())
-        assert outcome.openings["rail"] == pytest.approx(0.3 * FUNCTIONS["polynomial"][0](u),
-                                                         abs=1e-13)  # fmt: skip
-    assert errors[1] < 0.26 * errors[0] and errors[1] < 1e-4
-    assert at_ends[0] < 2 * 0.3 * 60 * 4e-3 / 5  # a sixth of what the force grows by in a step
-    energies = dict(outcome.energies)
-    assert np.abs(energies["balance"]).max() < 1e-12 * energies["motor_work"].max()
 
 
 PENDULUM = """

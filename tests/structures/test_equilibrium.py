@@ -56,8 +56,9 @@ def tip(scene) -> np.ndarray:
     return scene.position[beam.particle] + scene.frame[beam.particle] @ beam.arm
 
 
-@pytest.mark.parametrize("turn", [[0, 0, 0], [0.3, -1.2, 2.0]])
-@pytest.mark.parametrize("parts", ["ground, arm", "arm, ground"])
+@pytest.mark.parametrize(
+    ("turn", "parts"), [([0, 0, 0], "ground, arm"), ([0.3, -1.2, 2.0], "arm, ground")]
+)
 def test_an_arm_on_a_spring_hangs_where_both_moments_meet(turn, parts):
     axes = Rotation.from_rotvec(turn).apply([[0, 0, -G], [0.5, 0, 0], [0, 1, 0]]).tolist()
     spring = "actions: {k: {type: torsion spring, joint: pin, stiffness: 20 N m/rad}}"
@@ -206,9 +207,8 @@ def test_a_chain_of_rods_that_turn_in_space_rests_where_its_potential_is_least(s
 
 @pytest.mark.parametrize(
     ("size", "start", "force"),
-    [(1e-3, "[1, 0, 0]", 0.1), (0.1, "[1, 0, 0]", 3), (1e-3, "[0, 0, 1]", 0),
-     (0.1, "[0.6, 0, 0.8]", 3)],
-)  # fmt: skip
+    [(1e-3, "[1, 0, 0]", 0.1), (1e-3, "[0, 0, 1]", 0), (0.1, "[0.6, 0, 0.8]", 3)],
+)
 def test_a_rod_on_a_ball_hangs_along_half_its_weight_and_what_pulls_its_end(size, start, force):
     rod = f"{{rod: {{type: rod, from: P, to: Q, mass: 1, diameter: {size}}}}}"
     joint = "{ball: {type: spherical, parts: [ground, rod], at: P}}"
@@ -221,9 +221,8 @@ def test_a_rod_on_a_ball_hangs_along_half_its_weight_and_what_pulls_its_end(size
 
 @pytest.mark.parametrize(
     ("place", "loss"),
-    [((0, 0), ""), ((1, 0), ", restitution: 0.2"),
-     ((-0.6, -0.8), ", friction: 0.4, radius: 5 mm")],
-)  # fmt: skip
+    [((0, 0), ""), ((-0.6, -0.8), ", restitution: 0.2, friction: 0.4, radius: 5 mm")],
+)
 def test_a_pin_with_play_hangs_at_the_lowest_place_of_its_bearing(place, loss):
     pin = "type: pin with play, x: x, clearance: 1 mm, load: 100 N, depth: 1 um, "
     pin += f"opening_x: {place[0]} mm, opening_y: {place[1]} mm{loss}"

@@ -193,7 +193,7 @@ PINNED = changed(
 )  # fmt: skip
 
 
-@pytest.mark.parametrize(("strain", "elements"), [(2e-5, 4), (1e-4, 16), (1e-3, 4)])
+@pytest.mark.parametrize(("strain", "elements"), [(1e-4, 16), (1e-3, 4)])
 def test_a_bowed_bar_between_pins_lies_to_the_side_of_its_bow(strain, elements):
     """Newton's method alone ends in positions to the other side, of more energy, that snap."""
     made, kappa = loads(PINNED), 0.05

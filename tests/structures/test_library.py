@@ -12,6 +12,7 @@ from evidence.verification.deployables import crossing, scissor
 from fpm.elements.particles.drive import Drive
 from fpm.scenes.timestep import machine, run_seconds
 from fpm.structures import StructureError, load, loads, report
+from fpm.structures.plausible import warnings
 
 
 def run(scene, duration, instants):
@@ -28,6 +29,7 @@ def test_every_structure_of_the_library_is_a_scene_type(path):
     assert all(parameter.text for parameter in found.parameters.values())
     assert len(found.digest) == 16
     scene = found.build()
+    assert warnings(scene) == []
     assert tuple(scene.points) == found.points
     assert tuple(hinge.name for hinge in scene.hinges) == found.hinges
     if scene.beams:
@@ -192,7 +194,7 @@ def test_names_that_only_some_counts_have_are_refused_for_the_others():
 
 
 @given(st.data())
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=20, deadline=None)
 def test_any_allowed_values_give_a_scene_or_are_refused(data):
     found = structure(data.draw(st.sampled_from(["bennett", "zfold", "scissor", "panel"])))
     values = {}

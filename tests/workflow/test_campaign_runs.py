@@ -66,25 +66,6 @@ def test_progress_is_visible(small):
     assert answer.count("Open results/small/report.html") == 1 and "Open " not in started
 
 
-def test_the_papers_campaign_gives_what_the_readme_says(workplace):
-    """`snakemake -c2`, and then a spline through the same runs."""
-    readme = " ".join((ROOT / "README.md").read_text(encoding="utf-8").split())
-
-    def widest(*arguments):
-        done = workplace.snakemake(*arguments)
-        assert done.returncode == 0, done.stdout
-        told = json.loads((workplace.folder / "results/paper/summary.json").read_text())
-        return [
-            (r["largest_difference"], r["time_of_largest_difference"]) for r in told["responses"]
-        ]
-
-    (distance, when), (velocity, then) = widest()
-    assert f"| {distance:.4f} m at {when:.3f} s |" in readme
-    assert f"| {velocity:.2f} m/s at {then:.3f} s (" in readme
-    (distance, _), (velocity, _) = widest("--config", "bounds={model: spline}")
-    assert f"gives {distance:.4f} m and {velocity:.2f} m/s" in readme
-
-
 def test_a_second_call_has_nothing_to_do(small):
     again = small.snakemake(*SMALL)
     assert again.returncode == 0
@@ -141,7 +122,6 @@ def test_the_same_campaign_in_one_call_gives_the_same_files(small, tmp_path):
             {"answers", "figures", "page"},
         ),
         (["bounds={model: spline}"], OF_BOUNDS),
-        (["intervals={a: {nominal: 0.035, relative: 0.02}}"], ALL_RULES),
         (["jobs={runs_per_job: 4}"], None),
     ],
 )

@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
+import scipy
 
 from ..box import FEW
 from ..designs import scan_points
@@ -367,7 +368,8 @@ def find_halving(limits: Sequence[Limit], free: np.ndarray, nominal: np.ndarray,
         means = _with_gains(shares.reshape(-1, size, 2).mean(axis=1))
         errors = np.zeros(2)
         if count > 1:
-            errors = _STUDENT * means.std(axis=0, ddof=1) / len(means) ** 0.5
+            student = scipy.special.stdtrit(len(means) - 1, 0.975)
+            errors = student * means.std(axis=0, ddof=1) / len(means) ** 0.5
         target = max(_WORTH * gain, _LEAST_WORTH * (1.0 - share + gain), *fit_errors)
         if 2 * count > most or count == 1 or errors.max() <= target:
             break

@@ -65,7 +65,7 @@ TURN_IMPULSE = 3  # of the step, on the hinge's second particle (N m s)
 SOLVED_IMPULSE = 4  # the same as the joints were solved last
 FREE_RATE = 5  # RATE as the joints were solved first in this step
 IS_NEW_STEP = 6  # 1 until then
-BRAKE = 7  # moment of friction that slips and has not turned or stuck in this step (N m)
+BRAKE = 7  # moment (N m) with which friction slips or, where it turned in this step, will slip
 TURN = 8
 
 GAP, TILT = 0, 1  # watched, and recorded: the same places as of hinges, which share a kernel

@@ -29,7 +29,7 @@ from fpm.elements.openings.losses_kernels import RATE as LAST
 from fpm.elements.openings.losses_kernels import half_rate
 from fpm.elements.openings.opening_kernels import NEW
 from fpm.kernels.hooks import hook
-from fpm.kernels.lanes import absolute, any_negative, load, store, where_negative
+from fpm.kernels.lanes import any_negative, load, store, where_negative
 from fpm.kernels.vectors import kernel
 
 SAME_TIME = 1e-9
@@ -213,7 +213,7 @@ def ends_at_turn(part, i):
     holds in the next."""
     first = load(part.state, i, FIRST_RATE)
     turns = first * (first + load(part.state, i, CHANGE))
-    turns = where_negative(turns, -absolute(load(part.state, i, BRAKE_MOMENT)), 1.0)
+    turns = where_negative(turns, first * load(part.state, i, BRAKE_MOMENT), 1.0)
     return where_negative(-1.0 * load(part.state, i, SEARCH_SHARE), 1.0, turns)
 
 

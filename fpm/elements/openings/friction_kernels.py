@@ -340,9 +340,10 @@ def change(part, world, timing, i, slips, turns, sticks):
     target = where_negative(turns, target, load(part.turns.state, t, TARGET))
     store(part.turns.state, t, TARGET, target)
     is_change = where_negative(slips, -1.0, where_negative(turns, -1.0, sticks))
-    changes, brake = load(part.state, i, CHANGES_LEFT), load(part.turns.state, t, TURN_BRAKE)
+    changes, full = load(part.state, i, CHANGES_LEFT), load(part.turns.state, t, TURN_BRAKE)
     store(part.state, i, CHANGES_LEFT, where_negative(is_change, changes - 1.0, changes))
-    store(part.turns.state, t, TURN_BRAKE, where_negative(is_change, 0.0, brake))
+    full = where_negative(is_change, where_negative(turns, old * most, 0.0), full)
+    store(part.turns.state, t, TURN_BRAKE, full)
     world.undecided[0] = 1
 
 

@@ -39,7 +39,7 @@ SEARCH_SHARE = SEARCH_END + 1  # share of this step after which that is: others 
 FREE_END = SEARCH_SHARE + 1  # opening that was foreseen for the end of the step in which it catches
 CATCH_IMPULSE = FREE_END + 1  # that of the catch, by what it takes to hold it, 0: not known
 LEAD = CATCH_IMPULSE + 1  # steps from the time of the rate in `rates` to the start of this step
-BRAKE_MOMENT = LEAD + 1  # moment (N m) of exact friction on the joint that may turn in this step
+BRAKE_MOMENT = LEAD + 1  # moment (N m) with which exact friction slips on the joint
 STATE = BRAKE_MOMENT + 1
 
 TRACK = 4  # recorded: moment, impulse, rate when it caught, impulse with which it caught
@@ -49,6 +49,9 @@ ANGLE_TOL = 1e-6
 
 AT_START = 1e-9
 """Openings (rad) beyond the reach that count as within it at the start of a run."""
+
+HELD = 1e-9
+"""Share of the rate before up to which a joint counts as held during the whole step."""
 
 AT_REST = 1e-12
 """Ways (rad) against a latch's direction that count as rest."""
@@ -115,8 +118,11 @@ def find_path(part, i, mean, free):
     change, free_change = (mean - last) * weight, (free - last) * weight
     rate, free_rate = mean - 0.5 * change, free - 0.5 * free_change
     turns = free_rate * (free_rate + free_change)
-    store(part.state, i, FIRST_RATE, where_negative(turns, free_rate, rate))
-    store(part.state, i, CHANGE, where_negative(turns, free_change, change))
+    rests = absolute(mean) - HELD * absolute(last)
+    rate = where_negative(rests, 0.0, where_negative(turns, free_rate, rate))
+    change = where_negative(rests, 0.0, where_negative(turns, free_change, change))
+    store(part.state, i, FIRST_RATE, rate)
+    store(part.state, i, CHANGE, change)
 
 
 @kernel

@@ -340,8 +340,8 @@ def size_of(scene: SceneData) -> float:
     free = ~scene.fixed.all(axis=1)
     joints = (e for kind in scene.kinds if kind.joins for e in scene.kinds[kind])
     beams = [beam for element in joints for beam in element.beams]
-    ends = [scene.position[b.particle] + scene.frame[b.particle] @ b.arm for b in beams]
-    places = np.concatenate([np.array(ends).reshape(-1, 3), scene.position[free]])
+    ends = np.array([beam.end_in(scene) for beam in beams])
+    places = np.concatenate([ends.reshape(-1, 3), scene.position[free]])
     extent = places.max(axis=0) - places.min(axis=0) if len(places) else 0.0
     gyration = np.sqrt(scene.inertia[free].max(axis=1) / scene.mass[free])
     return float(max(np.max(extent), gyration.max(initial=0.0))) or 1.0

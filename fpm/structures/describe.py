@@ -50,9 +50,7 @@ def describe(structure: SceneType, duration: float = 1.0) -> str:
 
 def list_parts(scene: Scene) -> list[str]:
     """Return lines on the points, parts, joints and what acts on them in a scene."""
-    position, frame = scene.position, scene.frame
-    points = [f"{name} {_vector(position[b.particle] + frame[b.particle] @ b.arm)}"
-              for name, b in scene.points.items()]  # fmt: skip
+    points = [f"{name} {_vector(beam.end_in(scene))}" for name, beam in scene.points.items()]
     lists = [("points", points or ["none"]), *_lists(scene)]
     return [line for title, names in lists if names for line in (title, *(f"  {n}" for n in names))]
 

@@ -253,8 +253,7 @@ def mask_axes(letters: str) -> list[bool]:
 def places_of(scene, joints: Sequence[JointBase]) -> np.ndarray:
     """Positions (j, 3), m, global, of the free ends of the first virtual beams (rigid arms) of
     `joints` (j elements of a scene), as placed now: of the points that supports hold."""
-    beams = [element.beams[0] for element in joints]
-    return np.array([scene.position[b.particle] + scene.frame[b.particle] @ b.arm for b in beams])
+    return np.array([element.beams[0].end_in(scene) for element in joints])
 
 
 def are_alone(scene) -> list[bool]:

@@ -116,8 +116,8 @@ def reaction(run: Recording, name: str) -> tuple[np.ndarray, np.ndarray]:
         terms = run.inertia(particle), run.force(particle), on_particle(run, particle)
         reaction_force, couple = (a - b - c for a, b, c in zip(*terms, strict=True))
         reaction_force, couple = reaction_force * fixed[:3], couple * fixed[3:]
-        named = {*scene.bodies.values(), *Drive.moved_particles(scene)}
-        is_part = particle in named or any(particle in beams.nodes for beams in scene.beams)
+        parts = {*scene.bodies.values(), *Drive.moved_particles(scene)}
+        is_part = particle in parts or any(particle in beams.nodes for beams in scene.beams)
         if fixed.all() and not is_part:  # the ground
             fields = [kind for kind in kinds_of([scene]) if issubclass(kind, Gravity)]
             for kind in fields:

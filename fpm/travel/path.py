@@ -193,7 +193,7 @@ class Path(StaticEquations):
         poses = self.poses.displace(step * prediction) if self._tangents else self.poses
         is_converged = False
         for _ in range(MAX_ITERATIONS):
-            solve, gradient = self._at(poses, conditions)
+            solve, gradient = self._equations(poses, conditions)
             gap_changes = -self._weight * conditions.gaps(poses)
             motion, change = solve(-gradient, gap_changes)
             largest = np.abs(motion).max(initial=0.0)
@@ -289,7 +289,7 @@ class Path(StaticEquations):
         scene, masses = self.scene, np.linspace(1.0, 3.0, len(self.scene.mass))
         self.scene = copy(scene)
         self.scene.mass, self.scene.inertia = scene.mass * masses, scene.inertia / masses[:, None]
-        solve = self._at(self.poses, self._conditions_at(self.opening))[0]
+        solve = self._equations(self.poses, self._conditions_at(self.opening))[0]
         self.scene = scene
         rows = conditions_of(scene, [hinge.name for hinge in scene.hinges]).jacobian(self.poses)
         rates = rows[-len(scene.hinges) :] @ np.stack([self.tangent, self._motion(solve)], axis=1)
@@ -302,7 +302,7 @@ class Path(StaticEquations):
         """Return those of other joint coordinates, by name, that do not go as far as the one that
         is moved, at the start of the scene: no joint, spring or loop couples them to it so."""
         conditions = self._conditions_at(self.opening)
-        self.tangent = self._motion(self._at(self.poses, conditions)[0])
+        self.tangent = self._motion(self._equations(self.poses, conditions)[0])
         rates = self.rates([[h.name for h in self.scene.hinges].index(name) for name in openings])
         pairs = zip(openings, rates, strict=True)
         return [name for name, rate in pairs if abs(rate - 1.0) > COUPLING_TOLERANCE]
@@ -328,7 +328,7 @@ class Path(StaticEquations):
             is_held[first + pivots[: len(free)]] = True
         return np.flatnonzero(~is_held)
 
-    def _at(self, poses, conditions):
+    def _equations(self, poses, conditions):
         return self.linearise(poses, self._impulses, self._ease, conditions=conditions)
 
     def _motion(self, solve) -> np.ndarray:

@@ -62,10 +62,7 @@ class InstabilityError(RuntimeError):
         )
 
     def __reduce__(self):
-        return type(self), (
-            self.time, self.element, self.step, self.limit, self.balance, self.scale,
-            self.cause, self.largest, self.words, self.remedy, self.final_words,
-        )  # fmt: skip
+        return type(self), tuple(vars(self).values())  # in the order of the arguments
 
     def as_final(self) -> "InstabilityError":
         """Return this error with its `final_words`, as no shorter step mends the failure."""
@@ -91,54 +88,36 @@ def did_you_mean(name: str, names: Iterable[str]) -> str:
         missing = "colon" if sign == " " else "space behind the colon"
         return f" (a {missing} is missing: `{head}: {value.strip()}`)"
     guess = likely(name, names) or (head if head in names else "")
-    return hint_new(name, names) or (f" (did you mean {guess}?)" if guess else "")
-
-
-def hint_new(name: object, names: Iterable[str]) -> str:
-    """Return a hint for a message: " (it is now x)" if `name` is a former name (NEW_NAMES) of x,
-    one of `names`, those allowed; else ""."""
-    if isinstance(name, str):
-        name = NEW_NAMES.get(name) or NEW_NAMES.get(name.replace("_", " "))
-    return f" (it is now {name})" if name in list[object](names) else ""
+    return f" (did you mean {guess}?)" if guess else ""
 
 
 def likely(name: str, names: Iterable[str]) -> str:
-    """Return which of `names`, those allowed, an unknown name most likely means: its new name, a
-    synonym, or one of like spelling; "" if there is none."""
-    names = list(names)
-    close = [NEW_NAMES[name]] if NEW_NAMES.get(name) in names else []
-    close += [word for word in names if word.lower() == name.lower()]
-    close += [word for word in _WORDS.get(name.lower(), "").split() if word in names]
+    """Return which of `names`, those allowed, an unknown name most likely means: a synonym, or one
+    of like spelling; "" if there is none."""
+    names, plain = list(names), name.lower().replace("_", " ")
+    close = [word for word in names if word.lower() == name.lower()]
+    close += [word for word in _WORDS.get(plain, "").split(", ") if word in names]
     close += difflib.get_close_matches(name, names, n=1)
     return close[0] if close else ""
 
 
-NEW_NAMES = {
-    "nodes_per_job": "runs_per_job", "scan": "sobol",
-    "share": "tolerance", "of": "tolerance_by_name", "runs": "max_runs",
-    "minutes": "max_core_minutes", "rounds": "max_iterations", "finer": "discretization",
-    "tape spring": "tabulated spring", "bend": "bristle_deflection", "by its bend": "bristle",
-    "fastest": "max_capture_rate", "tolerance": "capture_range", "least": "lower", "most": "upper",
-    "motions": "initial_velocities",
-    "stand": "locked", "factors": "uncertainty_factors", "drives": "actuation_factors",
-    "accelerate": "specified_acceleration", "deliver": "output_torque",
-}  # fmt: skip
-"""Keys and words of configs and structures that were called otherwise, and their names of today."""
-
 _WORDS = {
-    "max": "at_most upper largest", "maximum": "at_most upper largest", "peak": "largest",
-    "min": "at_least lower smallest", "minimum": "at_least lower smallest",
-    "density": "rho", "poisson": "nu", "modulus": "E", "young": "E", "angle": "opening rest level",
-    "hinge": "revolute", "pin": "revolute", "rotary": "revolute",
-    "linear": "prismatic", "slider": "prismatic", "slide": "prismatic",
+    "max": "at_most, upper, largest", "maximum": "at_most, upper, largest",
+    "peak": "largest", "min": "at_least, lower, smallest", "minimum": "at_least, lower, smallest",
+    "least": "lower", "most": "upper", "density": "rho", "poisson": "nu", "modulus": "E",
+    "young": "E", "angle": "opening, rest, level", "hinge": "revolute", "pin": "revolute",
+    "rotary": "revolute", "linear": "prismatic", "slider": "prismatic", "slide": "prismatic",
     "ball": "spherical", "weld": "fixed", "rigid": "fixed", "cardan": "universal",
     "sleeve": "cylindrical", "nut": "screw", "spindle": "screw", "thread": "screw",
-    "pipe": "tube", "round": "circle", "box": "rectangle", "lock": "latch", "damping": "damper",
-    "k": "stiffness", "points": "through", "nodes": "elements", "mesh": "elements",
-    "monte_carlo": "sobol", "lhs": "sobol", "latin_hypercube": "sobol",
-    "gltf": "glb", "paraview": "vtk", "mujoco": "mjcf", "png": "figures", "pdf": "figures",
-    "grad": "deg", "sek": "s", "sekunden": "s",
-    "tol": "relative", "tolerance": "relative", "plusminus": "absolute", "time": "duration",
+    "tape spring": "tabulated spring", "pipe": "tube", "round": "circle", "box": "rectangle",
+    "lock": "latch", "damping": "damper", "k": "stiffness", "points": "through",
+    "nodes": "elements", "mesh": "elements", "motions": "initial_velocities", "scan": "sobol",
+    "monte carlo": "sobol", "lhs": "sobol", "latin hypercube": "sobol", "gltf": "glb",
+    "paraview": "vtk", "mujoco": "mjcf", "png": "figures", "pdf": "figures", "grad": "deg",
+    "sek": "s", "sekunden": "s", "tol": "relative", "tolerance": "capture_range, relative",
+    "plusminus": "absolute", "time": "duration", "share": "tolerance", "runs": "max_runs",
+    "minutes": "max_core_minutes", "rounds": "max_iterations", "finer": "discretization",
+    "of": "tolerance_by_name", "nodes per job": "runs_per_job",
 }  # fmt: skip
 """Words of other programs and of everyday, and those of this one for the same."""
 

@@ -6,12 +6,12 @@ import numpy as np
 
 import fpm
 from evidence.verification.bench import Bench
-from fpm.scenes.timestep import scaled_modes
+from fpm.scenes.timestep import deformation_modes, scaled_modes
 
 
 def frequencies(scene: fpm.Scene) -> np.ndarray:
     """Angular frequencies (rad/s) of the scene at its start, hinges cut, zero ones first."""
-    matrix = scaled_modes(scene)[0]
+    matrix = scaled_modes(scene, deformation_modes(scene)[0])[0]
     return np.sqrt(np.abs(np.linalg.eigvalsh((matrix.T @ matrix).toarray())))
 
 
@@ -19,7 +19,7 @@ def mode_shape(scene: fpm.Scene, frequency: float) -> np.ndarray:
     """Mode (n, 6) of the frequency (rad/s) closest to the given one: translations, rotations.
 
     Both in the particles' own axes, at unit kinetic energy for unit modal rate."""
-    matrix = scaled_modes(scene)[0]
+    matrix = scaled_modes(scene, deformation_modes(scene)[0])[0]
     values, vectors = np.linalg.eigh((matrix.T @ matrix).toarray())
     shape = vectors[:, np.argmin(np.abs(values - frequency**2))].reshape(-1, 6)
     inertia = np.column_stack([np.tile(scene.mass, (3, 1)).T, scene.inertia])

@@ -208,7 +208,7 @@ def conditions_of(scene, hold: Sequence[str] = ()) -> Conditions:
     """Return the conditions that close all joints of a scene. hold: names of hinges whose joint
     coordinate stays as stated, one condition each, at the end. SceneError for other names."""
     rows: list[tuple] = []
-    for joint in (*(j for hinge in scene.hinges for j in as_joints(hinge)), *_joints_of(scene)):
+    for joint in _joints_of(scene):
         rows += _rows_of(scene, joint)
     hinges = {hinge.name: hinge for hinge in scene.hinges}
     for name in hold:
@@ -238,7 +238,7 @@ def tilts(scene, poses: ParticlePoses, hold: Sequence[str] = ()) -> dict[str, fl
     on its two parts that agree where it is closed, at poses of all particles; none of spherical and
     universal joints. hold: hinges, by name, of which directions at the stated opening count."""
     directions: list[tuple] = []
-    for joint in (*(j for hinge in scene.hinges for j in as_joints(hinge)), *_joints_of(scene)):
+    for joint in _joints_of(scene):
         if TYPES[joint.type].bits & bits.PARALLEL:
             directions.append((joint.name, joint.particles, joint.axes))
         if TYPES[joint.type].bits & bits.TWIST:
@@ -262,8 +262,9 @@ def _opened_reference(hinge) -> np.ndarray:
 
 
 def _joints_of(scene) -> list[Joint]:
-    """Joints of a scene that are no hinges."""
-    return scene.kinds.get(Joint, [])
+    """Joints of a scene, those made of hinges first."""
+    joints = [joint for hinge in scene.hinges for joint in as_joints(hinge)]
+    return joints + scene.kinds.get(Joint, [])
 
 
 def _rows_of(scene, joint: Joint) -> list[tuple]:

@@ -1,5 +1,6 @@
 """Strain energy of the beams of a scene, and its derivatives; theory: fpm/elements/bars/beam.py."""
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -21,6 +22,11 @@ class Shape(NamedTuple):
     sines: np.ndarray
     twist: np.ndarray
 
+    @property
+    def turns(self) -> np.ndarray:
+        """Angles (e, 4), rad, of the sines, by the first two terms of their series."""
+        return self.sines * (1.0 + self.sines**2 / 6.0)
+
 
 class Elastic(NamedTuple):
     """The beam elements of a scene. nodes (e, 2): particle indices of ends a, b; stiffness (e, 5):
@@ -37,26 +43,20 @@ class Elastic(NamedTuple):
         """Return the strain energy (J) of all elements together, at poses of all particles."""
         if not len(self.nodes):
             return 0.0
-        shape = self._shape(*self._ends(poses))
+        shape = self.shape(*self._ends(poses))
         rest, axial, *bending, torsion = self.stiffness.T
-        turns = shape.sines + shape.sines**3 / 6
+        turns = shape.turns
         total = 0.5 * axial * (shape.length - rest) ** 2 + 0.5 * torsion * shape.twist**2
         for plane, stiff in enumerate(bending):
             angle1, angle2 = turns[:, plane], turns[:, 2 + plane]
             total = total + stiff * (angle1**2 + angle1 * angle2 + angle2**2)
         return float(np.sum(total))
 
-    def change(self, first: ParticlePoses, last: ParticlePoses) -> float:
-        """Return by how much (J) the strain energy is more at the last poses than at the first."""
-        return self.energy(last) - self.energy(first)
-
     def largest(self, poses: ParticlePoses) -> tuple[float, float]:
         """Return two largest values over all elements at poses of all particles: of a bend (sine of
         an end's angle) or twist (sine), and of the strain at a surface."""
-        shape = self._shape(*self._ends(poses))
-        turns = shape.sines + shape.sines**3 / 6
-        rest = self.stiffness[:, :1]
-        curvatures = np.abs(turns[:, 2:] - turns[:, :2]) / rest
+        shape, rest = self.shape(*self._ends(poses)), self.stiffness[:, :1]
+        curvatures = np.abs(shape.turns[:, 2:] - shape.turns[:, :2]) / rest
         strain = np.abs(shape.length / rest[:, 0] - 1) + (curvatures * self.half).sum(axis=1)
         bend = np.abs(np.column_stack([shape.sines, shape.twist]))
         return float(bend.max(initial=0.0)), float(strain.max(initial=0.0))
@@ -68,8 +68,8 @@ class Elastic(NamedTuple):
         count, ends = len(poses.position), self._ends(poses)
         gradient, blocks = np.zeros(6 * count), np.zeros((0, 12, 12))
         if len(self.nodes):
-            np.add.at(gradient, dofs_of(self.nodes), self._gradient(*ends))
-            blocks = slopes(self._gradient, *ends)
+            np.add.at(gradient, dofs_of(self.nodes), self.gradient(*ends))
+            blocks = slopes(self.gradient, *ends)
         if convex and np.isfinite(blocks).all():
             values, vectors = np.linalg.eigh((blocks + blocks.swapaxes(1, 2)) / 2)
             blocks = vectors * np.maximum(values, 0.0)[:, None] @ vectors.swapaxes(1, 2)
@@ -78,8 +78,9 @@ class Elastic(NamedTuple):
     def _ends(self, poses: ParticlePoses) -> tuple[ParticlePoses, ParticlePoses]:
         return poses.select(self.nodes[:, 0]), poses.select(self.nodes[:, 1])
 
-    def _shape(self, first: ParticlePoses, second: ParticlePoses) -> Shape:
-        """Shape of elements between poses of their ends; complex where these are."""
+    def shape(self, first: ParticlePoses, second: ParticlePoses) -> Shape:
+        """Return the shape of the elements between poses (..., e) of their ends; complex where
+        these are."""
         chord = second.position - first.position
         length = np.sqrt(np.sum(chord * chord, axis=-1))
         chord = chord / length[..., None]
@@ -94,11 +95,13 @@ class Elastic(NamedTuple):
         twist = 0.5 * (np.sum(b2 * a3, axis=-1) - np.sum(b3 * a2, axis=-1))
         return Shape(chord, length, axes, np.einsum("...ei,...eki->...ek", chord, axes), twist)
 
-    def _gradient(self, first: ParticlePoses, second: ParticlePoses) -> np.ndarray:
-        """Derivatives (..., e, 12) of each element's energy by the motions (m, rad) of its ends."""
-        n, length, axes, sines, t = self._shape(first, second)
+    def gradient(self, first: ParticlePoses, second: ParticlePoses) -> np.ndarray:
+        """Return the derivatives (..., e, 12), N and N m, of each element's energy by the motions
+        (m, rad) of its ends, at poses (..., e) of these."""
+        shape = self.shape(first, second)
+        n, length, axes, sines, t = shape
         rest, axial, in_2, in_3, torsion = self.stiffness.T
-        turns = sines * (1 + sines**2 / 6)
+        turns = shape.turns
         stiff = np.stack([in_2, in_3, in_2, in_3], axis=1)
         by_sine = stiff * (2 * turns + turns[..., [2, 3, 0, 1]]) * (1 + sines**2 / 2)
         by_axis = by_sine[..., None] * axes
@@ -111,10 +114,11 @@ class Elastic(NamedTuple):
         return np.concatenate(ends, axis=-1)
 
 
-def elastic_of(scene) -> Elastic:
-    """Return all beam elements of a scene in the form in which `assemble` needs them (Elastic)."""
-    nodes, _, half = elements_of(scene.beams)
+def elastic_of(scene, groups: Sequence[Beams] | None = None) -> Elastic:
+    """Return the beam elements of some groups of a scene, None: of all, as Elastic."""
+    groups = Beams.find(scene) if groups is None else groups
+    nodes, _, half = elements_of(groups)
     if not len(nodes):
         return Elastic(nodes, np.zeros((0, 5)), np.zeros((0, 4, 3)), half)
-    stiffness = np.concatenate([beams.stiffness() for beams in Beams.find(scene)])
-    return Elastic(nodes, stiffness, end_axes(scene).reshape(-1, 4, 3), half)
+    stiffness = np.concatenate([beams.stiffness() for beams in groups])
+    return Elastic(nodes, stiffness, end_axes(scene, groups).reshape(-1, 4, 3), half)

@@ -14,7 +14,7 @@ from typing import NamedTuple, NoReturn
 
 import numpy as np
 
-from fpm.assembly.conditions import ParticlePoses, conditions_of, tilts
+from fpm.assembly.conditions import Conditions, ParticlePoses, conditions_of, tilts
 from fpm.assembly.element_forces import BalanceForces, displacement
 from fpm.assembly.matrices import Form, largest_entry, saddle_solver, scale_matrix, sparse
 from fpm.elements.bars.beam import BEND, STRAIN
@@ -26,60 +26,53 @@ EASE = 1e-13
 """δ, where the largest entries of H, M and G are one."""
 
 
-def linearise(
-    scene,
-    poses,
-    conditions,
-    balance,
-    impulses,
-    scales,
-    free,
-    weight,
-    ease,
-    mass=None,
-    form=sparse,
-    convex=False,
-):
-    """Set up linear equations of a Newton step to static balance; returns a function solve(forces,
-    gap_changes) and the gradient (6n,) of strain energy plus conditions times impulses.
+class StaticEquations:
+    """Linear equations of Newton steps towards static balance of a scene's particles, the joints
+    closed. balance: the forces; conditions: c that close the joints; form: of matrices, `full` for
+    few particles."""
 
-    solve: from forces (6n,), N and N m, and gap_changes (c,) of the conditions times `weight`, the
-    motion (6n,), over `scales`, and change (c,) of impulses, NaN where the matrix is singular.
-    conditions: Conditions, c of them; balance: Elastic or BalanceForces; impulses (c,): their
-    Lagrange multipliers (N m); scales (6n,): size (m) for shifts, 1 for turns; free: degrees of
-    freedom not held; weight (c,): makes conditions dimensionless; ease: stiffness (N m) by which
-    the largest mass, others in proportion, holds back motions that strain nothing; mass: mass
-    matrix, None: the scene's; form: of matrices, `full` for few particles; convex: without what
-    makes bars' energy concave."""
-    count = len(scales)
-    gradient, stiffness = balance.derivatives(poses, form, convex)
-    rows, curvature = conditions.derivatives(poses, weight * impulses, form)
-    stiffness, gradient = stiffness + curvature, gradient + rows.T @ (weight * impulses)
-    stiffness = scale_matrix(stiffness, scales, scales)
-    if mass is None:
-        mass = scale_matrix(masses(scene, poses, form), scales, scales)
-    unit = max(largest_entry(stiffness), ease)
-    inner = (stiffness / unit + mass * (ease / unit / mass.max()))[free][:, free]
-    solve_system = saddle_solver(inner, scale_matrix(rows, weight, scales)[:, free], EASE)
+    def __init__(self, scene, balance: BalanceForces, conditions: Conditions, form: Form = sparse):
+        self.scene, self.balance = scene, balance
+        self._conditions, self._form = conditions, form
+        self._size = float(np.ptp(scene.position, axis=0).max()) or 1.0
+        self._scales = np.tile(np.repeat([self._size, 1.0], 3), len(scene.position))
+        self._weight = conditions.weight(self._size)
+        self._free = np.flatnonzero(~scene.fixed.ravel())
 
-    def solve(forces, gap_changes):
-        solution = solve_system(np.concatenate([(scales * forces)[free] / unit, gap_changes]))
-        step = np.zeros(count)
-        step[free] = solution[: len(free)]
-        return step, unit * solution[len(free) :]
+    def linearise(self, poses, impulses, ease, mass=None, convex=False, conditions=None):
+        """Set up the equations of a step; returns a function solve(forces, gap_changes) and the
+        gradient (6n,) of strain energy plus conditions times impulses.
 
-    return solve, gradient
+        solve: from forces (6n,), N and N m, and gap_changes (c,) of the conditions times their
+        weight, the motion (6n,), shifts by the size, and change (c,) of impulses, NaN where the
+        matrix is singular. impulses (c,): Lagrange multipliers (N m); ease: stiffness (N m) by
+        which the largest mass, others in proportion, holds back motions that strain nothing; mass:
+        mass matrix, None: the scene's; convex: without what makes bars' energy concave; conditions:
+        None: those of the object."""
+        scales, free, weight, form = self._scales, self._free, self._weight, self._form
+        conditions = conditions or self._conditions
+        gradient, stiffness = self.balance.derivatives(poses, form, convex)
+        rows, curvature = conditions.derivatives(poses, weight * impulses, form)
+        stiffness, gradient = stiffness + curvature, gradient + rows.T @ (weight * impulses)
+        stiffness = scale_matrix(stiffness, scales, scales)
+        if mass is None:
+            blocks = mass_blocks(self.scene, poses)
+            dofs = np.arange(6 * len(blocks)).reshape(-1, 2, 3)
+            lines, columns = np.broadcast_arrays(dofs[..., None], dofs[:, :, None])
+            places = np.nonzero(blocks)
+            entries = blocks[places], lines[places], columns[places]
+            mass = scale_matrix(form(*entries, (dofs.size, dofs.size)), scales, scales)
+        unit = max(largest_entry(stiffness), ease)
+        inner = (stiffness / unit + mass * (ease / unit / mass.max()))[free][:, free]
+        solve_system = saddle_solver(inner, scale_matrix(rows, weight, scales)[:, free], EASE)
 
+        def solve(forces, gap_changes):
+            solution = solve_system(np.concatenate([(scales * forces)[free] / unit, gap_changes]))
+            step = np.zeros(len(scales))
+            step[free] = solution[: len(free)]
+            return step, unit * solution[len(free) :]
 
-def masses(scene, poses: ParticlePoses, form: Form = sparse):
-    """Return a mass matrix (6n, 6n) of all n particles of a scene at `poses`, in global axes: 3 by
-    3 blocks of mass (kg), then inertia (kg m²), of one particle after the other. form: of the
-    matrix (`sparse`, `full`)."""
-    blocks = mass_blocks(scene, poses)
-    dofs = np.arange(6 * len(blocks)).reshape(-1, 2, 3)
-    rows, columns = np.broadcast_arrays(dofs[..., None], dofs[:, :, None])
-    places = np.nonzero(blocks)
-    return form(blocks[places], rows[places], columns[places], (dofs.size, dofs.size))
+        return solve, gradient
 
 
 def mass_blocks(scene, poses: ParticlePoses) -> np.ndarray:
@@ -154,7 +147,7 @@ class Words(NamedTuple):
     remedy: str
 
 
-class RestSearch:
+class RestSearch(StaticEquations):
     """Search of poses in stable balance of a scene's particles, the joints closed. targets: joint
     coordinates to which hinges are led, by name; balance: the forces; words: of refusals.
     Attributes: open_before, of the joint open most at the start; hinges, with openings."""
@@ -162,14 +155,9 @@ class RestSearch:
     def __init__(self, scene, targets: Mapping[str, float], balance: BalanceForces, words: Words):
         from scipy.sparse import diags_array
 
-        self._scene, self._balance, self._words = scene, balance, words
-        self._targets, self._hold = dict(targets), list(targets)
+        self._words, self._targets, self._hold = words, dict(targets), list(targets)
+        super().__init__(scene, balance, conditions_of(scene, self._hold))
         self._start = ParticlePoses(scene.position.copy(), scene.frame.copy())
-        self._conditions = conditions_of(scene, self._hold)
-        self._size = float(np.ptp(scene.position, axis=0).max()) or 1.0
-        self._scales = np.tile(np.repeat([self._size, 1.0], 3), len(scene.position))
-        self._free = np.flatnonzero(~scene.fixed.ravel())
-        self._weight = self._conditions.weight(self._size)
         self._no_gaps, self._no_force = np.zeros(len(self._weight)), np.zeros(len(self._scales))
         mass = np.repeat(scene.mass, 6)
         share = np.minimum(mass / mass[self._free].max(initial=TINY), 1.0)
@@ -198,25 +186,25 @@ class RestSearch:
             return sides[0][1], rounds + count + sum(side[2] for side in sides)
         requirement = "a stable position; this one snaps, and none was found downhill of it"
         if sides:
-            energy = self._balance.bars.energy(sides[0][1])
+            energy = self.balance.bars.energy(sides[0][1])
             requirement = (
                 f"a stable position; this one snaps to either of two with {energy:.4g} J, as "
                 f"a straight bar pressed beyond its buckling load: {self._words.remedy} says to "
                 "which"
             )
-        energy = self._balance.bars.energy(state)
+        energy = self.balance.bars.energy(state)
         raise MisfitError(self._words.key, f"{energy:.4g} J in an unstable position", requirement)
 
     def measure(self, poses: ParticlePoses) -> tuple[float, float, float]:
         """Return the largest residual force or moment (N, N m) at `poses`, the largest that acts
         there, and the strain energy (J) of bars."""
-        impulses, sizes = self._no_gaps, self._balance.sizes(poses, self._scales)
+        impulses, sizes = self._no_gaps, self.balance.sizes(poses, self._scales)
         for _ in range(3):
-            solve, gradient = self._linearise(poses, impulses, max(*sizes[:2], *sizes[2], TINY))
+            solve, gradient = self.linearise(poses, impulses, max(*sizes[:2], *sizes[2], TINY))
             impulses = impulses + solve(-gradient, self._no_gaps)[1]
         residual = np.abs(gradient[self._free]).max(initial=0.0)
-        forces = self._balance.sizes(poses, np.ones_like(self._scales))[2]
-        return float(residual), float(forces.max(initial=0.0)), self._balance.bars.energy(poses)
+        forces = self.balance.sizes(poses, np.ones_like(self._scales))[2]
+        return float(residual), float(forces.max(initial=0.0)), self.balance.bars.energy(poses)
 
     def reopen(self, poses: ParticlePoses) -> list:
         """Return the scene's hinges with their joint coordinates at `poses`, next to the last."""
@@ -226,7 +214,7 @@ class RestSearch:
         """Name, gap (m) and tilt (rad) of the joint that is open most."""
         gaps = self._conditions.gaps(poses)
         name, gap, tilt = self._conditions.worst(np.where(np.isfinite(gaps), gaps, np.inf))
-        angle = tilts(self._scene, poses, self._hold).get(name, np.nan)
+        angle = tilts(self.scene, poses, self._hold).get(name, np.nan)
         return name, gap, angle if tilt > 0 and np.isfinite(angle) else tilt
 
     def _differ(self, sides: Sequence[tuple]) -> bool:
@@ -234,11 +222,6 @@ class RestSearch:
         (low, low_poses, _), (high, high_poses, _) = sides[0], sides[-1]
         shift = np.abs(low_poses.position - high_poses.position).max()
         return high - low <= -SAME_TOL * low and shift > SAME_TOL * self._size
-
-    def _linearise(self, poses, impulses, ease: float, mass=None, convex: bool = False):
-        rules = self._scales, self._free, self._weight, ease
-        fields = self._scene, poses, self._conditions, self._balance, impulses
-        return linearise(*fields, *rules, mass=mass, convex=convex)
 
     def _lacks(self, poses) -> np.ndarray:
         return -self._weight * self._conditions.gaps(poses)
@@ -252,8 +235,8 @@ class RestSearch:
         for count in range(CLOSINGS if len(self._free) else 0):
             if self._gap(poses) <= GAP_TOL:
                 return poses, count
-            ease = MASS_SHARE * self._balance.sizes(poses, self._scales)[0] or 1.0
-            solve, gradient = self._linearise(poses, impulses, ease, convex=True)
+            ease = MASS_SHARE * self.balance.sizes(poses, self._scales)[0] or 1.0
+            solve, gradient = self.linearise(poses, impulses, ease, convex=True)
             step, change = solve(-gradient if relaxes else self._no_force, self._lacks(poses))
             largest = float(np.abs(step).max(initial=0.0))
             if not np.isfinite(largest):
@@ -267,7 +250,7 @@ class RestSearch:
 
     def _lead(self, poses, impulses, count: int):
         """Return balanced poses with the held openings, impulses there, and positions."""
-        hinges = self._scene.hinges
+        hinges = self.scene.hinges
         changes = [self._targets.get(h.name, h.opening) - h.opening for h in hinges]
         lengths = [
             abs(change) / (self._size if h.slides else 1.0)
@@ -275,7 +258,7 @@ class RestSearch:
         ]
         steps = int(np.ceil(max(lengths, default=0.0) / FARTHEST))
         for step in range(1, steps + 1):
-            scene = copy(self._scene)
+            scene = copy(self.scene)
             scene.hinges = [
                 replace(h, opening=h.opening + change * step / steps)
                 for h, change in zip(hinges, changes, strict=True)
@@ -291,12 +274,12 @@ class RestSearch:
     def _find_descent(self, poses, impulses):
         """Return the motion (6n,) along which the energy falls to both sides, or None: the image of
         a vector on which the inverse of a round's matrix is negative beyond rounding."""
-        scales, (bars, elements, forces) = self._scales, self._balance.sizes(poses, self._scales)
+        scales, (bars, elements, forces) = self._scales, self.balance.sizes(poses, self._scales)
         if not max(bars, elements, *forces):
             return None
         ease = SOFT_SHARE * max(bars, elements) or 1.0
-        steps = self._negative(self._linearise(poses, impulses, ease, self._mass)[0])
-        _, stiffness = self._balance.derivatives(poses)
+        steps = self._negative(self.linearise(poses, impulses, ease, self._mass)[0])
+        _, stiffness = self.balance.derivatives(poses)
         _, curvature = self._conditions.derivatives(poses, self._weight * impulses)
         motions = scales[:, None] * steps
         falls = np.sum(motions * ((stiffness + curvature) @ motions), axis=0)
@@ -332,7 +315,7 @@ class RestSearch:
     def _descend(self, poses, impulses, is_led: bool = False):
         """Descend in energy from `poses` to a balance; return its poses, impulses and the count of
         steps. is_led: make one step, whatever its energy."""
-        bars, elements, forces = self._balance.sizes(poses, self._scales)
+        bars, elements, forces = self.balance.sizes(poses, self._scales)
         force = float(forces[self._free].max(initial=0.0))
         stiffest, ease, motion = max(bars, elements, force), EASE_SHARE * force, self._no_force
         start = poses.position
@@ -347,7 +330,7 @@ class RestSearch:
                 ease *= factor
                 continue
             poses, impulses, motion = trial
-            self._balance.follow(poses)
+            self.balance.follow(poses)
             self.hinges = self.reopen(poses)
             self._check_folds(poses)
             largest = np.abs(motion).max(initial=0.0)
@@ -365,7 +348,7 @@ class RestSearch:
         nothing moves."""
         first, motion = poses, self._no_force
         for count in range(ROUNDS):
-            solve, gradient = self._linearise(poses, impulses, ease, self._mass)
+            solve, gradient = self.linearise(poses, impulses, ease, self._mass)
             lacks = self._lacks(poses)
             residual = np.abs((self._scales * gradient)[self._free]).max(initial=0.0)
             if not count and residual <= rounding and self._gap(poses) <= GAP_TOL:
@@ -391,42 +374,42 @@ class RestSearch:
         last, _, motion = trial
         if np.abs(motion).max(initial=0.0) <= SMALL:
             return True
-        return self._balance.change(first, last) + ease * motion @ (self._mass @ motion) / 2 <= 0
+        return self.balance.change(first, last) + ease * motion @ (self._mass @ motion) / 2 <= 0
 
     def _downhill(self, poses, step):
         """Poses of less energy along a motion from unstable ones."""
         for halving in range(HALVINGS):
             shift = 0.5**halving * FARTHEST * self._scales * step
             trial, _ = self._close(poses.displace(shift))
-            if self._gap(trial) <= GAP_TOL and self._balance.change(poses, trial) < 0:
+            if self._gap(trial) <= GAP_TOL and self.balance.change(poses, trial) < 0:
                 return trial
         return poses
 
     def _follow(self, poses, impulses, step):
         """Stable poses downhill to a motion's side, by how much energy, rounds; or None."""
-        count, start, hinges, memory = 0, poses, self.hinges, self._balance.memory()
+        count, start, hinges, memory = 0, poses, self.hinges, self.balance.memory()
         try:
             for _ in range(FALLS):
                 poses, impulses, rounds = self._descend(self._downhill(poses, step), self._no_gaps)
                 count += rounds
                 step = self._find_descent(poses, impulses)
                 if step is None:
-                    return self._balance.change(start, poses), poses, count
+                    return self.balance.change(start, poses), poses, count
         except MisfitError:
             pass
         finally:
             self.hinges = hinges
-            self._balance.restore(memory)
+            self.balance.restore(memory)
         return None
 
     def _check_folds(self, poses) -> None:
-        if self._balance.bars.largest(poses)[0] > FOLD:
+        if self.balance.bars.largest(poses)[0] > FOLD:
             self._check_strains(poses)
 
     def _check_strains(self, poses) -> None:
         """Check strains against the limits of a run; raises MisfitError if they are larger."""
         name, gap, tilt = self.open_before
-        pairs = zip((BEND, STRAIN), self._balance.bars.largest(poses), strict=True)
+        pairs = zip((BEND, STRAIN), self.balance.bars.largest(poses), strict=True)
         for (watch, value), word in zip(pairs, ("bent or twisted", "strained"), strict=True):
             if not value <= watch.most:
                 key, text = self._words.key, f"bars {word} by {value:.2g}"
@@ -443,9 +426,9 @@ class RestSearch:
         particle, kind = np.unravel_index(sizes.argmax(), sizes.shape)
         names = {
             int(p): f"bar {beams.name.partition(' from ')[0]}"
-            for beams in self._scene.beams
+            for beams in self.scene.beams
             for p in beams.nodes.ravel()
-        } | {p: f"body {name}" for name, p in self._scene.bodies.items()}
+        } | {p: f"body {name}" for name, p in self.scene.bodies.items()}
         direction = np.round(motions[particle, kind] / (sizes.max() or 1.0), 6) + 0.0
         part = names.get(int(particle), f"particle {particle}")
         verb = ("moves on along", "turns on about")[kind]

@@ -296,21 +296,21 @@ class Batch:
         stable step no spring has more energy of so much strain than masses have of such motion.
         Where all particles are held or driven no motion can grow: the balance proves nothing."""
         gap = ROUNDINGS * np.finfo(float).eps * math.sqrt(steps)
-        scale = np.zeros(WIDTH)
-        scales = self.scenes.map(lambda scene: self._least_scale_in(scene, step, gap))
-        scale[: len(self.scenes)] = [*scales]
-        return scale
 
-    def _least_scale_in(self, scene: SceneData, step: float, gap: float) -> float:
-        free = ~scene.fixed.all(axis=1)
-        if not free.any():
-            return np.inf
-        reach = np.abs(scene.position).max(initial=0.0)
-        inertia = scene.mass[free].sum() * reach**2 + scene.inertia[free].max(axis=1).sum()
-        moment = reach * sum(kind.held_up(scene) for kind in self.kinds)
-        moment += sum(kind.held_round(scene) for kind in self.kinds)
-        start_gap = gap if scene.unstrained is None else max(gap, GAP_TOL)
-        return WORK * gap * moment + 0.5 * inertia * (start_gap / step) ** 2
+        def scale_in(scene: SceneData) -> float:
+            free = ~scene.fixed.all(axis=1)
+            if not free.any():
+                return np.inf
+            reach = np.abs(scene.position).max(initial=0.0)
+            inertia = scene.mass[free].sum() * reach**2 + scene.inertia[free].max(axis=1).sum()
+            moment = reach * sum(kind.held_up(scene) for kind in self.kinds)
+            moment += sum(kind.held_round(scene) for kind in self.kinds)
+            start_gap = gap if scene.unstrained is None else max(gap, GAP_TOL)
+            return WORK * gap * moment + 0.5 * inertia * (start_gap / step) ** 2
+
+        scale = np.zeros(WIDTH)
+        scale[: len(self.scenes)] = [*self.scenes.map(scale_in)]
+        return scale
 
 
 def join_particles(scenes: Sequence[SceneData]) -> SimpleNamespace:
@@ -340,8 +340,8 @@ def size_of(scene: SceneData) -> float:
     free = ~scene.fixed.all(axis=1)
     joints = (e for kind in scene.kinds if kind.joins for e in scene.kinds[kind])
     beams = [beam for element in joints for beam in element.beams]
-    ends = [scene.position[b.particle] + scene.frame[b.particle] @ b.arm for b in beams]
-    places = np.concatenate([np.array(ends).reshape(-1, 3), scene.position[free]])
+    ends = np.array([beam.end_in(scene) for beam in beams])
+    places = np.concatenate([ends.reshape(-1, 3), scene.position[free]])
     extent = places.max(axis=0) - places.min(axis=0) if len(places) else 0.0
     gyration = np.sqrt(scene.inertia[free].max(axis=1) / scene.mass[free])
     return float(max(np.max(extent), gyration.max(initial=0.0))) or 1.0

@@ -28,6 +28,11 @@ class VirtualBeam:
     particle: int
     arm: np.ndarray
 
+    def end_in(self, places) -> np.ndarray:
+        """Return the position (3,), m, global, of the arm's free end. places: object with position
+        and frame of all particles, as a scene."""
+        return places.position[self.particle] + places.frame[self.particle] @ self.arm
+
 
 AXES = "xyz"
 """Names of the global axes."""

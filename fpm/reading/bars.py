@@ -15,6 +15,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fpm.assembly.conditions import ParticlePoses
+from fpm.assembly.elastic import elastic_of
 from fpm.elements.bars.beam import Beams, Section
 from fpm.scenes.scene import Scene
 
@@ -76,52 +78,20 @@ def ends_of(scene: Scene, beams: Beams, place, axes) -> list[tuple[np.ndarray, n
     return ends
 
 
-class Bends(NamedTuple):
-    """Deformation of m beam elements at t instants. length (t, m) m and chord (t, m, 3): of the
-    line from end to end, and its direction; sines, angles: a list of two, for both ends, (t, m, 2):
-    sine and angle (rad) between chord and the section's normal, towards its axes y and z; axes: y,
-    z (t, m, 3, 2) at both ends, global."""
-
-    length: np.ndarray
-    chord: np.ndarray
-    sines: list[np.ndarray]
-    angles: list[np.ndarray]
-    axes: list[np.ndarray]
-
-
-def bends_of(scene: Scene, beams: Beams, place, axes) -> Bends:
-    """Return the deformation of `beams`, m elements of a scene. place, axes: as in `ends_of`."""
-    (first, *end_axes), (second, *axes2) = ends_of(scene, beams, place, axes)
-    chord, end_axes = second - first, end_axes + axes2
-    length = np.linalg.norm(chord, axis=2)
-    chord = chord / length[:, :, None]
-    sines = [np.einsum("tmi,tmik->tmk", chord, axes_of_end) for axes_of_end in end_axes]
-    return Bends(length, chord, sines, [s * (1.0 + s**2 / 6.0) for s in sines], end_axes)
-
-
 def sections(scene: Scene, beams: Beams, place, axes) -> Sections:
     """Return forces and moments (t, m, 2, 3), N and N m, at both ends of `beams`, m elements, in
     the section's axes. place, axes: as in `ends_of`."""
-    _, axial, bend_z, bend_y, twist = beams.stiffness().T
-    length, chord, sines, angles, end_axes = bends_of(scene, beams, place, axes)
-    stiffness = np.stack([bend_z, bend_y], axis=1)
-    sums = 2.0 * angles[0] + angles[1], 2.0 * angles[1] + angles[0]
-    by_sine = [stiffness * sums[k] * (1.0 + 0.5 * sines[k] ** 2) for k in (0, 1)]
-    pulls = [np.einsum("tmk,tmik->tmi", c, e) for c, e in zip(by_sine, end_axes, strict=True)]
-    shear = (pulls[0] + pulls[1]) / length[:, :, None]
-    axial_force = axial * (length - beams.length) - np.einsum("tmi,tmi->tm", shear, chord)
-    force = shear + axial_force[:, :, None] * chord
-    (a2, a3), (b2, b3) = (np.moveaxis(axes2, 3, 0) for axes2 in end_axes)
-    turn = 0.5 * np.einsum("tmi,tmi->tm", b2 - a2, a3 + b3)  # the axes of either end are normal
-    torsion = (0.5 * twist * turn)[:, :, None] * (np.cross(a3, b2) - np.cross(a2, b3))
-    moments = [np.cross(chord, pulls[0]) - torsion, -np.cross(chord, pulls[1]) - torsion]
+    ends = [
+        ParticlePoses(*(np.stack([read(int(p)) for p in nodes], axis=1) for read in (place, axes)))
+        for nodes in beams.nodes.T
+    ]
+    loads = np.split(elastic_of(scene, [beams]).gradient(*ends), 4, axis=-1)
     start = scene.frame if scene.unstrained is None else scene.unstrained
     end_values = []
-    for nodes, moment in zip(beams.nodes.T, moments, strict=True):
-        frames = np.stack([axes(int(p)) for p in nodes], axis=1)
-        section = frames @ (start[nodes].transpose(0, 2, 1) @ beams.triad)
-        end_values.append([np.einsum("tmi,tmik->tmk", v, section) for v in (force, moment)])
-    return Sections(*(np.stack(ends, axis=2) for ends in zip(*end_values, strict=True)))
+    for nodes, end, moment in zip(beams.nodes.T, ends, (-loads[1], loads[3]), strict=True):
+        section = end.frame @ (start[nodes].transpose(0, 2, 1) @ beams.triad)
+        end_values.append([np.einsum("tmk,tmki->tmi", v, section) for v in (loads[2], moment)])
+    return Sections(*(np.stack(values, axis=2) for values in zip(*end_values, strict=True)))
 
 
 def sections_of(scene: Scene, bar: Bar, place, axes) -> Sections:

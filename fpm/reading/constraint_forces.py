@@ -116,7 +116,9 @@ def reaction(run: Recording, name: str) -> tuple[np.ndarray, np.ndarray]:
         terms = run.inertia(particle), run.force(particle), on_particle(run, particle)
         reaction_force, couple = (a - b - c for a, b, c in zip(*terms, strict=True))
         reaction_force, couple = reaction_force * fixed[:3], couple * fixed[3:]
-        if _is_ground(scene, particle):
+        parts = {*scene.bodies.values(), *Drive.moved_particles(scene)}
+        is_part = particle in parts or any(particle in beams.nodes for beams in scene.beams)
+        if fixed.all() and not is_part:  # the ground
             fields = [kind for kind in kinds_of([scene]) if issubclass(kind, Gravity)]
             for kind in fields:
                 curve, weight = scene.curve(kind.curve_of(scene)), kind.weight(scene, particle)
@@ -125,14 +127,6 @@ def reaction(run: Recording, name: str) -> tuple[np.ndarray, np.ndarray]:
         force = force + reaction_force
         moment = couple - np.cross(run.arm(support.beam), reaction_force)
     return force, moment
-
-
-def _is_ground(scene: Scene, particle: int) -> bool:
-    """Return whether a particle represents the ground."""
-    is_on_bars = any(particle in beams.nodes for beams in scene.beams)
-    is_named = particle in {*scene.bodies.values(), *Drive.moved_particles(scene)}
-    has_role = is_on_bars or is_named
-    return bool(scene.fixed[particle].all()) and not has_role
 
 
 SHARE = 3e-5

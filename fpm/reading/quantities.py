@@ -21,7 +21,7 @@ MARGIN_READS = ("opening", "slide_opening", *CATCH_RATES)
 _START_SHARE = 1e-3  # share of the way within which it is at its gate from the start
 _TINY = 1e-12  # rad²/s², m²/s²: the size of a margin, at least
 BETWEEN_KINDS = {
-    *("largest", "smallest", "smallest_at", "overshoot"),
+    *("largest", "smallest", "smallest_at"),
     *("mean", "rms", "settling", "crossing", "value"),
 }
 """Kinds of quantities that are read between instants, too."""
@@ -111,7 +111,7 @@ class Quantity:
     kind: how it is read, a key of KINDS, as "largest"; unit (UDUNITS) and long_name: of the number;
     response: the function of time that it is read off, None for events; instant: of a value, its
     time (s) or the quantity that gives it; of an event margin, the quantity that has it; target:
-    target of settling or overshoot, None: the last value; tolerance: largest deviation from it
+    target of settling, None: the last value; tolerance: largest deviation from it
     after settling; level, direction ("rising", "falling", "either"): of a crossing; number: n, from
     1, of the nth crossing or event; event: its name; places: elements whose events count, (): none.
     target, tolerance, level: in its unit."""
@@ -132,8 +132,8 @@ class Quantity:
 
     @property
     def is_instantaneous(self) -> bool:
-        """Whether the quantity is a size of the response at an instant (largest, smallest, rms,
-        overshoot), so that a shock that mesh and step do not resolve can decide it."""
+        """Whether the quantity is a size of the response at an instant (largest, smallest, rms), so
+        that a shock that mesh and step do not resolve can decide it."""
         return KINDS[self.kind].is_instantaneous
 
     @property
@@ -311,12 +311,6 @@ def _mean(time: np.ndarray, values: np.ndarray) -> float:
     return float(np.trapezoid(values, time) / (time[-1] - time[0]))
 
 
-def _overshoot(values: np.ndarray, target: float | None) -> float:
-    target = values[-1] if target is None else target
-    sign = np.sign(target - values[0])
-    return peak(sign * (values - target)) if sign else 0.0
-
-
 def _value(quantity: Quantity, curves: Curves) -> float:
     instant = quantity.instant if isinstance(quantity.instant, Quantity) else None
     time = instant.evaluate(curves) if instant else quantity.instant
@@ -369,10 +363,6 @@ KINDS = {
         positive=True, is_instantaneous=True,
     ),
     "value": QuantityType(_value, "{about} {moment}", ("at",)),
-    "overshoot": QuantityType(
-        _of_values(lambda q, time, y: _overshoot(y, q.target)), "overshoot of the {about}",
-        optional=("about",), positive=True, is_instantaneous=True,
-    ),
     "settling": QuantityType(
         _of_values(lambda q, time, y: settling(time, y, q.tolerance, q.target)),
         "time from which the {about} stays within {within:.6g}", ("within",), ("about",), "s",

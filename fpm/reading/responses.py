@@ -14,7 +14,7 @@ from fpm import elements
 from fpm.declare import SLIDE_UNITS, NumberLimits
 from fpm.elements import Journal, Latch, Stop, Strut, energies_of, kinds_of
 from fpm.elements.openings.latch import SERIES, SIDES
-from fpm.errors import SceneError, did_you_mean, fold_name, hint_new
+from fpm.errors import SceneError, did_you_mean, fold_name
 from fpm.files.trajectory import POSITION, Column, Curves
 from fpm.reading import bars, margins
 from fpm.reading.margins import Abscissa
@@ -38,8 +38,6 @@ def kind_of(key: str, definition: Any, kinds: Mapping[str, Any], addition: str =
         allowed += "" if mandatory or optional else " alone"
         if {"unit", "units"} & {*unknown_keys}:
             allowed += ", in the SI unit of its kind: leave the unit out"
-        hints = ((entry, hint_new(entry, optional)) for entry in unknown_keys)
-        allowed += "".join(f"; {entry}{hint}" for entry, hint in hints if hint)
         if len(unknown_keys) == 1:  # whose line is told
             key = f"{key}.{unknown_keys[0]}"
         raise SceneError(key, ", ".join(map(str, unknown_keys)) or dict(definition), allowed)

@@ -37,7 +37,13 @@ def warn(scene: Scene, response: Response) -> str:
         scene.curve(load.curve).value(0.0) * max(np.abs([*load.force, *load.moment]))
         for load in Load.find(scene)
     )
-    if scene.beams and starts and not _is_damped(scene):
+    dampings = [  # shares of critical damping, as those of viscosities
+        beams.material.stiffness_damping * np.sqrt(beams.material.E / beams.material.rho) / length
+        for beams in scene.beams
+        for length in beams.length
+    ]
+    is_damped = BarDamping.viscosity(scene) > 0 or min(dampings, default=0.0) >= USUAL_SHARE
+    if scene.beams and starts and not is_damped:
         return (
             "a load begins at once, and the wave that it sends through the bars rings in the last "
             "mode of the mesh, a quarter too high and more the finer it is: state "
@@ -53,13 +59,3 @@ def _join(latches: list[str]) -> str:
         return f"latch {latches[0]}"
     names = latches if len(latches) == 2 else [", ".join(latches[:2]), f"{len(latches) - 2} more"]
     return f"latches {' and '.join(names)}"
-
-
-def _is_damped(scene: Scene) -> bool:
-    """Whether viscosity, or as much damping of all materials, damps waves of the mesh."""
-    shares = [  # shares of critical damping, as those of viscosities
-        beams.material.stiffness_damping * np.sqrt(beams.material.E / beams.material.rho) / length
-        for beams in scene.beams
-        for length in beams.length
-    ]
-    return BarDamping.viscosity(scene) > 0 or min(shares) >= USUAL_SHARE

@@ -64,19 +64,12 @@ def deformation_modes(
     return modes, np.concatenate(kind_of), names
 
 
-def scaled_modes(scene: Scene):
-    """Return, of a scene with its hinges cut, a sparse matrix K^1/2 D M^-1/2 (r, dofs) of
-    deformations D by freedoms, whose singular values are the angular frequencies (rad/s); index
-    (r,) of each row's element; inverse masses and inertias (dofs,), 0 where held."""
-    deformations = deformation_modes(scene)[0]
-    return _scale_modes(scene, deformations)
-
-
-def _scale_modes(scene: Scene, deformations: Deformations):
-    """Return the matrix B (deformation, degree of freedom) for which B' B has the squares of the
-    angular frequencies as eigenvalues, the element of each row, and the inverse masses. A row is a
-    deformation's derivative by the 12 degrees of freedom of its element's two particles, times the
-    root of its stiffness and the inverse root of their masses."""
+def scaled_modes(scene: Scene, deformations: Deformations):
+    """Return, of a scene with its hinges cut, the sparse matrix B (r, dofs) for which B' B has the
+    squares of the angular frequencies (rad/s) as eigenvalues, the element of each row, and the
+    inverse masses and inertias (dofs,), 0 where held. A row is a deformation's derivative by the 12
+    degrees of freedom of its element's two particles, times the root of its stiffness and the
+    inverse root of their masses."""
     from scipy.sparse import csr_matrix
 
     dofs, values, stiffness, element = deformations
@@ -131,7 +124,7 @@ def find_curve_step(scene: Scene, duration: float) -> float:
 def _limit(scene: Scene, step: float = np.inf) -> StableStep:
     """Return the limit, if the dampers are the springs that they are at a step (s)."""
     deformations, kind_of, names = deformation_modes(scene, step)
-    modes, element, inverse = _scale_modes(scene, deformations)
+    modes, element, inverse = scaled_modes(scene, deformations)
     kinds = kinds_of([scene])
     contacts = [n for n, kind in enumerate(kinds) if kind is Contact]
     blocked_columns = {n: Contact.blocked_motions(scene, inverse) for n in contacts}

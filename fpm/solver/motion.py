@@ -12,13 +12,15 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from fpm.assembly.conditions import ParticlePoses
+from fpm.assembly.elastic import elastic_of
 from fpm.elements import Cable, Strut
 from fpm.elements.bars.beam import elements_of
 from fpm.elements.kind import VirtualBeam
 from fpm.errors import SceneError
 from fpm.files.outcome import Outcome
 from fpm.files.trajectory import CONVENTIONS, Column
-from fpm.reading.bars import bends_of, element_stress
+from fpm.reading.bars import element_stress
 from fpm.scenes.scene import Scene
 from fpm.solver.simulate import simulate
 
@@ -284,16 +286,13 @@ def element_strains(
     larger is taken, at the corner of the rectangle of `elements_of`."""
     if not scene.beams:
         return np.zeros((len(position), 0)), np.zeros((len(position), 0))
-    _, length, half = elements_of(scene.beams)
-    bends = [
-        bends_of(scene, beams, lambda p: position[:, p], lambda p: frame[:, p])
-        for beams in scene.beams
-    ]
-    lengths = np.concatenate([bend.length for bend in bends], axis=1)
-    angles = np.concatenate([np.stack(bend.angles) for bend in bends], axis=2)
-    curvature = 2.0 * (2.0 * angles + angles[::-1]) / length[:, None]  # both ends, both planes
-    bending = np.einsum("etmk,mk->etm", np.abs(curvature), half).max(axis=0)
-    return lengths / length - 1.0, bending
+    bars = elastic_of(scene)
+    ends = (ParticlePoses(position[:, nodes], frame[:, nodes]) for nodes in bars.nodes.T)
+    shape, rest = bars.shape(*ends), bars.stiffness[:, 0]
+    angles = shape.turns.reshape(*shape.length.shape, 2, 2)  # of both ends, in both planes
+    curvature = 2.0 * (2.0 * angles + angles[..., ::-1, :]) / rest[:, None, None]
+    bending = (np.abs(curvature) * bars.half[:, None]).sum(axis=-1).max(axis=-1)
+    return shape.length / rest - 1.0, bending
 
 
 def section_corners(scene: Scene) -> np.ndarray:

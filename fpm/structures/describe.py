@@ -1,5 +1,6 @@
 """A structure in words: what may be set in it, what it is made of, and what a run costs."""
 
+import math
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from html import escape
@@ -17,6 +18,7 @@ from fpm.elements.openings.release import Release
 from fpm.reading.bars import bars_of
 from fpm.scenes.scene import Scene
 from fpm.scenes.scene_type import SceneType
+from fpm.scenes.timestep import SAFETY, find_stable_step, machine, run_seconds
 from fpm.solver.start import consistent_scene
 from fpm.structures import report
 from fpm.structures.plausible import opening_text, warnings
@@ -50,9 +52,7 @@ def describe(structure: SceneType, duration: float = 1.0) -> str:
 
 def list_parts(scene: Scene) -> list[str]:
     """Return lines on the points, parts, joints and what acts on them in a scene."""
-    position, frame = scene.position, scene.frame
-    points = [f"{name} {_vector(position[b.particle] + frame[b.particle] @ b.arm)}"
-              for name, b in scene.points.items()]  # fmt: skip
+    points = [f"{name} {_vector(beam.end_in(scene))}" for name, beam in scene.points.items()]
     lists = [("points", points or ["none"]), *_lists(scene)]
     return [line for title, names in lists if names for line in (title, *(f"  {n}" for n in names))]
 
@@ -83,7 +83,7 @@ def _lists(scene: Scene) -> Iterator[tuple[str, Iterable[str]]]:
 
 def _facts(structure: SceneType, scene: Scene, duration: float) -> Iterator[tuple[str, str]]:
     """Titles, and what is to be said on the whole, "" where there is nothing."""
-    cost, mobility = report.cost(scene, duration), report.mobility(scene)
+    limit, mobility = find_stable_step(scene), report.mobility(scene)
     yield "mass", f"{report.mass(scene):.6g} kg"
     yield "its centre", _vector(report.centre(scene))
     freedom = _count_text(mobility.degrees, "way")
@@ -104,23 +104,25 @@ def _facts(structure: SceneType, scene: Scene, duration: float) -> Iterator[tupl
     start = consistent_scene(scene)
     energy = report.kinetic_energy(start, start.velocity, start.spin)
     yield "at the start", f"kinetic energy {energy:.4g} J" if energy else ""
-    if cost.step == np.inf:
+    steps = 1
+    if limit.step == np.inf:
         text = "none, as nothing is elastic: a step is at most the time between two instants"
         yield "stable step", text
     else:
-        yield "stable step", f"{cost.step:.4g} s, set by {cost.element}"
+        steps = max(1, math.ceil(duration / (SAFETY * limit.step)))
+        yield "stable step", f"{limit.step:.4g} s, set by {limit.element}"
         if any(beams.material.stiffness_damping for beams in scene.beams):
             yield "", f"{report.undamped_step(scene):.4g} s without `stiffness_damping`"
         changes = [
             f"{name} = {_number(value)} (x {ratio:.3g})"
-            for name, value, ratio in report.longer_steps(structure, cost.step)
+            for name, value, ratio in report.longer_steps(structure, limit.step)
         ]
-        if cost.element.startswith(ON_JOINTS) and scene.beams:
+        if limit.element.startswith(ON_JOINTS) and scene.beams:
             changes.append("`masses` with the fittings' inertia at its joint, where bars are light")
         yield "", f"longer with {'; '.join(changes)}" if changes else ""
-    steps = f"{cost.steps} steps for {duration:g} s, {cost.element_steps:.3g} steps of elements"
-    seconds = f"about {cost.seconds:.2g} s of a core (one of eight side by side)"
-    yield "a run", f"{len(scene.elements)} elements, {steps}, {seconds}"
+    count, seconds = len(scene.elements), machine() * run_seconds(scene, steps, 0)
+    text = f"{count} elements, {steps} steps for {duration:g} s, {steps * count:.3g} steps of "
+    yield "a run", f"{text}elements, about {seconds:.2g} s of a core (one of eight side by side)"
 
 
 def _opening(hinge: Hinge, specified_opening: float) -> str:

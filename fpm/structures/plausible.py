@@ -207,8 +207,7 @@ def _thin(scene: Scene) -> Iterator[str]:
 def _line(scene: Scene, hinge: Hinge) -> tuple[np.ndarray, np.ndarray]:
     """Axis (3,) of a hinge at the start, in global axes, and a point (3,), m, on it."""
     first = hinge.beams[0]
-    frame = scene.frame[first.particle]
-    return frame @ hinge.axes[0], scene.position[first.particle] + frame @ first.arm
+    return scene.frame[first.particle] @ hinge.axes[0], first.end_in(scene)
 
 
 def _actions(scene: Scene) -> list[Any]:
@@ -225,9 +224,8 @@ def extent(scene: Scene) -> float:
     """Return the largest extent (m) along a global axis of a scene's particles, hinges, slides and
     named points; 0 without a hinge and a named point. Other joints do not count."""
     beams = [beam for hinge in scene.hinges for beam in hinge.beams]
-    arms = [(beam.particle, beam.arm) for beam in (*beams, *scene.points.values())]
-    points = [scene.position[i] + scene.frame[i] @ arm for i, arm in arms]
-    return float(np.ptp(np.array([*scene.position, *points]), axis=0).max()) if arms else 0.0
+    points = [beam.end_in(scene) for beam in (*beams, *scene.points.values())]
+    return float(np.ptp(np.array([*scene.position, *points]), axis=0).max()) if points else 0.0
 
 
 def _loose(scene: Scene) -> Iterator[str]:

@@ -1,6 +1,5 @@
-"""What a built scene is, before it runs: masses, mobility, and what a run costs."""
+"""What a built scene is, before it runs: masses, mobility, and what sets its step."""
 
-import math
 from copy import copy
 from dataclasses import replace
 from typing import NamedTuple
@@ -11,7 +10,7 @@ from fpm.assembly.conditions import ParticlePoses, conditions_of, dependence
 from fpm.elements.bars.beam import Beams
 from fpm.scenes.scene import Scene
 from fpm.scenes.scene_type import SceneType
-from fpm.scenes.timestep import SAFETY, find_stable_step, machine, run_seconds
+from fpm.scenes.timestep import find_stable_step
 
 
 class Mobility(NamedTuple):
@@ -23,18 +22,6 @@ class Mobility(NamedTuple):
     conditions: int
     redundant: int
     degrees: int
-
-
-class RunCost(NamedTuple):
-    """Estimated cost of a run. step: stable time step (s), inf: no limit; element: name of the
-    element that limits it; steps: number of steps; element_steps: steps times elements; seconds:
-    core time of this machine for one of eight runs computed side by side, without recording."""
-
-    step: float
-    element: str
-    steps: int
-    element_steps: int
-    seconds: float
 
 
 def bodies(scene: Scene) -> np.ndarray:
@@ -146,11 +133,3 @@ def longer_steps(structure: SceneType, step: float) -> list[tuple[str, float, fl
             if 1.03 < ratio < np.inf:
                 changes.append((name, trial, ratio))
     return sorted(changes, key=lambda change: -change[2])[:3]
-
-
-def cost(scene: Scene, duration: float, safety: float = SAFETY) -> RunCost:
-    """Estimate a run's cost. duration: simulated (s); safety: step over the stable step."""
-    limit = find_stable_step(scene)
-    steps = max(1, math.ceil(duration / (safety * limit.step))) if limit.step < np.inf else 1
-    seconds = machine() * run_seconds(scene, steps, 0)
-    return RunCost(limit.step, limit.element, steps, steps * len(scene.elements), seconds)

@@ -231,8 +231,12 @@ def build_type(node: Node, problems: Problems) -> SceneType:
     name, description, mesh = (_text(table, key, problems) for key in TEXTS)
     if name and not NAME.fullmatch(name):
         problems.refuse(table.lines["name"], "name", name, NAME_RULE)
-    if mesh:
-        _check_mesh(table.entries["mesh"], values, parameters.entries, problems)
+    whole = [n for n, p in values.items() if p.parameter.is_whole]
+    # Nothing is said of a mesh that is refused as a parameter.
+    if mesh and mesh not in whole and (mesh in values or mesh not in parameters.entries):
+        allowed = f"{did_you_mean(mesh, whole)}; allowed: a parameter with `whole: true`"
+        line = table.lines["mesh"]
+        problems.say(line, f"mesh: {mesh!r} is not allowed{allowed}: {commas(whole)}")
     if len(values) < len(parameters.entries):
         problems.stop()  # Each use of a skipped parameter would be reported as a further problem.
     file = _File(table, values, source)
@@ -254,15 +258,6 @@ def build_type(node: Node, problems: Problems) -> SceneType:
         digest=hashlib.sha256(content).hexdigest()[:16],
         files=tuple(file.files),
     )
-
-
-def _check_mesh(mesh: Node, values: Mapping, parameters: Mapping, problems: Problems) -> None:
-    """Refuse a mesh that is no whole parameter; nothing is said of one that is refused itself."""
-    name = mesh.text
-    whole = [n for n, p in values.items() if p.parameter.is_whole]
-    if name not in whole and (name in values or name not in parameters):
-        allowed = f"{did_you_mean(name, whole)}; allowed: a parameter with `whole: true`"
-        problems.say(mesh.line, f"mesh: {name!r} is not allowed{allowed}: {commas(whole)}")
 
 
 def _text(table: Node, key: str, problems: Problems) -> str:

@@ -11,7 +11,7 @@ import numpy as np
 from fpm.assembly.conditions import NORMAL, Conditions, ParticlePoses, conditions_of
 from fpm.assembly.element_forces import BalanceForces, ElementForces, displacement
 from fpm.assembly.matrices import full, scale_matrix, sparse
-from fpm.assembly.search import FARTHEST, MisfitError, linearise
+from fpm.assembly.search import FARTHEST, MisfitError, StaticEquations
 from fpm.elements.cross import cross
 from fpm.elements.openings.opening import opening_at, rate_at
 from fpm.errors import SceneError
@@ -108,24 +108,22 @@ FREEDOM_TOLERANCE = 1e-3
 they differ by more, it is not the opening alone that decides the motion."""
 
 
-class Path:
+class Path(StaticEquations):
     """Moves an opening of a scene slowly, through static equilibria: `poses` of n particles, the
     `opening` (rad, m), and `tangent`, the motion (6n,) of all particles per unit of it. openings:
     hinges or slides that move together; locked: hinges held as at the start."""
 
     def __init__(self, scene, openings: Sequence[str], locked: Sequence[str]):
-        self.scene, self._key = scene, f"opening {openings[0]}"
+        self._key = f"opening {openings[0]}"
+        conditions = conditions_of(scene, [*locked, *openings])
+        form = full if len(scene.mass) <= MAX_DENSE else sparse
+        super().__init__(scene, balance_of(scene), conditions, form)
         by_name = {hinge.name: hinge for hinge in scene.hinges}
-        self._hinges, self.balance = [by_name[name] for name in openings], balance_of(scene)
+        self._hinges = [by_name[name] for name in openings]
         self.opening = self._start = float(self._hinges[0].opening)
         self.poses = ParticlePoses(scene.position.copy(), scene.frame.copy())
-        self._conditions = conditions_of(scene, [*locked, *openings])
         self._path_rows = len(locked) + len(openings)
         self._zeros = self._conditions.gaps(self.poses)[-len(openings) :]
-        self._form = full if len(scene.mass) <= MAX_DENSE else sparse
-        self._size = float(np.ptp(scene.position, axis=0).max()) or 1.0
-        self._scales = np.tile(np.repeat([self._size, 1.0], 3), len(scene.position))
-        self._weight = self._conditions.weight(self._size)
         self._impulses = np.zeros(len(self._weight))
         self._free = self._free_rows(self.poses)
         self.tangent = np.zeros(len(self._scales))
@@ -195,7 +193,7 @@ class Path:
         poses = self.poses.displace(step * prediction) if self._tangents else self.poses
         is_converged = False
         for _ in range(MAX_ITERATIONS):
-            solve, gradient = self._equations(poses, conditions, self._ease)
+            solve, gradient = self._equations(poses, conditions)
             gap_changes = -self._weight * conditions.gaps(poses)
             motion, change = solve(-gradient, gap_changes)
             largest = np.abs(motion).max(initial=0.0)
@@ -291,7 +289,7 @@ class Path:
         scene, masses = self.scene, np.linspace(1.0, 3.0, len(self.scene.mass))
         self.scene = copy(scene)
         self.scene.mass, self.scene.inertia = scene.mass * masses, scene.inertia / masses[:, None]
-        solve = self._equations(self.poses, self._conditions_at(self.opening), self._ease)[0]
+        solve = self._equations(self.poses, self._conditions_at(self.opening))[0]
         self.scene = scene
         rows = conditions_of(scene, [hinge.name for hinge in scene.hinges]).jacobian(self.poses)
         rates = rows[-len(scene.hinges) :] @ np.stack([self.tangent, self._motion(solve)], axis=1)
@@ -304,7 +302,7 @@ class Path:
         """Return those of other joint coordinates, by name, that do not go as far as the one that
         is moved, at the start of the scene: no joint, spring or loop couples them to it so."""
         conditions = self._conditions_at(self.opening)
-        self.tangent = self._motion(self._equations(self.poses, conditions, self._ease)[0])
+        self.tangent = self._motion(self._equations(self.poses, conditions)[0])
         rates = self.rates([[h.name for h in self.scene.hinges].index(name) for name in openings])
         pairs = zip(openings, rates, strict=True)
         return [name for name, rate in pairs if abs(rate - 1.0) > COUPLING_TOLERANCE]
@@ -330,11 +328,8 @@ class Path:
             is_held[first + pivots[: len(free)]] = True
         return np.flatnonzero(~is_held)
 
-    def _equations(self, poses, conditions, ease):
-        """What `linearise` returns."""
-        rules = self._scales, self._free, self._weight, ease
-        fields = self.scene, poses, conditions, self.balance, self._impulses
-        return linearise(*fields, *rules, form=self._form)
+    def _equations(self, poses, conditions):
+        return self.linearise(poses, self._impulses, self._ease, conditions=conditions)
 
     def _motion(self, solve) -> np.ndarray:
         """Return the motion (6n,) per unit of the opening."""

@@ -278,12 +278,13 @@ def has_frames(scene) -> bool:
     return has_bow or bool(Beams.find(scene) and np.abs(end_axes(scene) - NO_TURN).max() >= 1e-12)
 
 
-def end_axes(scene) -> np.ndarray:
-    """Return the stress-free local axes 2 and 3 of all m beam elements of a scene at both ends a
-    and b, in the axes of their particles: (m, 12), each row a2, a3, b2, b3."""
+def end_axes(scene, groups: Sequence[Beams] | None = None) -> np.ndarray:
+    """Return the stress-free local axes 2 and 3 of m beam elements of a scene at both ends a and b,
+    in the axes of their particles: (m, 12), each row a2, a3, b2, b3. groups: None: all."""
     frame = scene.frame if scene.unstrained is None else scene.unstrained
-    nodes = np.concatenate([beams.nodes for beams in Beams.find(scene)])
-    axes = np.concatenate([beams.end_axes() for beams in Beams.find(scene)], axis=1)
+    groups = Beams.find(scene) if groups is None else groups
+    nodes = np.concatenate([beams.nodes for beams in groups])
+    axes = np.concatenate([beams.end_axes() for beams in groups], axis=1)
     pairs = zip(nodes.T, axes, strict=True)
     ends = [np.einsum("mji,mjk->mki", frame[end], square) for end, square in pairs]
     return np.hstack([end.reshape(-1, 6) for end in ends])

@@ -224,7 +224,7 @@ class Cable(ElementType):
 
     def lengths(self, scene) -> np.ndarray:
         """Distances (n - 1,), m, from each of the cable's n points to the next, now in `scene`."""
-        places = [scene.position[b.particle] + scene.frame[b.particle] @ b.arm for b in self.beams]
+        places = [beam.end_in(scene) for beam in self.beams]
         return np.linalg.norm(np.diff(places, axis=0), axis=1)
 
     def pieces(self, scene) -> Iterator[Piece]:
@@ -378,5 +378,5 @@ def _with_friction(part, batch):
 def length_through(scene, beams: Sequence[VirtualBeam]) -> float:
     """Return the length (m) of the open line through the free ends of virtual beams (rigid arms),
     in their order, as placed in the scene: that of a cable through them."""
-    places = [scene.position[b.particle] + scene.frame[b.particle] @ b.arm for b in beams]
+    places = [beam.end_in(scene) for beam in beams]
     return float(np.linalg.norm(np.diff(places, axis=0), axis=1).sum())

@@ -89,8 +89,7 @@ class Strut(ElementType):
         return float(np.linalg.norm(self._chord(scene)))
 
     def _chord(self, places) -> np.ndarray:
-        x, axes = places.position, places.frame
-        first, second = (x[b.particle] + axes[b.particle] @ b.arm for b in self.beams)
+        first, second = (beam.end_in(places) for beam in self.beams)
         return second - first
 
     def force(self, length: float) -> float:

@@ -208,7 +208,7 @@ class Hinge(JointBase):
         def lone(rows_of):  # which are alone is the same in all scenes of a batch
             return lambda scene: rows_of(scene, [scene.hinges[i] for i in indices])
 
-        axes = [mask_axes(hinge.support) for hinge in hinges]
+        axes = [[axis in hinge.support for axis in AXES] for hinge in hinges]
         is_counted = cls.are_impulses_read(batch.scene)
         return arrays.Hinges(
             ends=batch.integers(cls.moved_particles(batch.scene)),
@@ -245,16 +245,10 @@ def _bodies(scene, hinges: Sequence[Hinge]) -> np.ndarray:
     return np.hstack([arms, axes, references, cross(axes, references), inverse_mass])
 
 
-def mask_axes(letters: str) -> list[bool]:
-    """Return three truth values: whether the global axes x, y, z are among `letters`, as "xz"."""
-    return [axis in letters for axis in AXES]
-
-
 def places_of(scene, joints: Sequence[JointBase]) -> np.ndarray:
     """Positions (j, 3), m, global, of the free ends of the first virtual beams (rigid arms) of
     `joints` (j elements of a scene), as placed now: of the points that supports hold."""
-    beams = [element.beams[0] for element in joints]
-    return np.array([scene.position[b.particle] + scene.frame[b.particle] @ b.arm for b in beams])
+    return np.array([element.beams[0].end_in(scene) for element in joints])
 
 
 def are_alone(scene) -> list[bool]:
@@ -311,7 +305,7 @@ def _is_regular(support: str, *masks: bytes) -> bool:
     """Return whether a lone hinge's matrix is regular. support: letters of the axes along which its
     point is held; masks: axes along and about which its two particles are held."""
     fixed1, fixed2 = (np.frombuffer(axes, bool) for axes in masks)
-    point = np.array(mask_axes(support))
+    point = np.array([axis in support for axis in AXES])
     double_axes = (fixed1[:3] & fixed2[:3]) | ((fixed1[:3] | fixed2[:3]) & point)
     in_part = any(turns.any() and not turns.all() for turns in (fixed1[3:], fixed2[3:]))
     return not (double_axes.any() or in_part or (fixed1[3:].all() and fixed2[3:].all()))

@@ -332,7 +332,7 @@ def rate_at(places, hinge, motion) -> float:
     axis = places.frame[i] @ hinge.axes[0]
     if not hinge.slides:
         return float(axis @ (motion.spin[j] - motion.spin[i]))
-    point = places.position[j] + places.frame[j] @ hinge.beams[1].arm
+    point = hinge.beams[1].end_in(places)
     first, second = (
         motion.velocity[p] + np.cross(motion.spin[p], point - places.position[p]) for p in (i, j)
     )

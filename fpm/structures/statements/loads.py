@@ -267,7 +267,7 @@ def _lead(build, args, particle: int, arm) -> None:
         build.refuse("velocity", args.velocity.tolist(), allowed)
     if np.any(args.spin):
         build.refuse("spin", args.spin.tolist(), "none with `rotations: none`")
-    place = scene.position[particle] + scene.frame[particle] @ arm.arm  # where parts assembled
+    place = arm.end_in(scene)  # where parts assembled
     joints = (joint for joint in scene.kinds.get(Joint, []) if joint.type == "held")
     constraints = [joint for joint in joints if joint.particles[0] == particle]
     is_same = [np.allclose(joint.beams[0].arm, arm.arm) for joint in constraints]
@@ -297,8 +297,7 @@ def motion(build, args):
     scene, particles = build.scene, args.part.particles
     centre = args.about.position
     if args.about.name in args.part.points:  # where it is, if parts were moved before the start
-        beam = scene.arm_to(args.part.particle(args.about.name), centre)
-        centre = scene.position[beam.particle] + scene.frame[beam.particle] @ beam.arm
+        centre = scene.arm_to(args.part.particle(args.about.name), centre).end_in(scene)
     arms = scene.position[particles] - centre
     scene.velocity[particles] = args.velocity + np.cross(args.spin, arms)
     scene.spin[particles] = args.spin

@@ -49,7 +49,7 @@ def error_of_files(error: Exception, folder: Path) -> CampaignError | None:
     if isinstance(error, MemoryError):
         return CampaignError(
             f"this machine has too little memory ({error or 'no size is known'}); {_SAFE}: lower "
-            "jobs.group, solver.instants or the number of responses, or set jobs.keep: extremes"
+            "jobs.group, solver.instants or the number of responses"
         )
     library = isinstance(error, RuntimeError) and "NetCDF" in str(error)
     if not library and not isinstance(error, OSError):

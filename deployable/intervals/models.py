@@ -139,8 +139,7 @@ class ScanModel(Model):
     """Bounds by all runs, without a fit, whatever the design (ignored); they may exceed the memory.
 
     The error, by how much the bounds grew from the first half of the runs to all, is an estimate of
-    what is still missing, no limit (docs/intervals.md). Samples are read in chunks, unless the
-    dataset has the extremes of each quarter."""
+    what is still missing, no limit (docs/intervals.md). Samples are read in chunks."""
 
     kind = "least and largest sample"
 

@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 _CHUNK = 1 << 23  # numbers in memory at a time
-_BOUND_NAMES = ("lower", "upper", "lower_run", "upper_run")
 
 
 @dataclass(frozen=True)
@@ -84,9 +83,7 @@ class Samples:
     @cached_property
     def values(self) -> np.ndarray:
         """Responses (R, n, T) of all runs, in double precision, read at first use; IntervalError
-        for values that are not finite, or where the dataset has only the least and largest."""
-        if "values" not in self.source:
-            raise IntervalError("samples", "extremes only", "the responses of every run")
+        for values that are not finite."""
         values = np.asarray(self.read(slice(None)), dtype=float)
         bad = [n for i, n in enumerate(self.names) if not np.isfinite(values[:, i]).all()]
         if bad:
@@ -116,18 +113,11 @@ class Samples:
 
     def nominal_curve(self) -> np.ndarray | None:
         """Responses (n, T) of the nominal run; None if there is no nominal run."""
-        if "nominal" in self.source:
-            return self.source["nominal"].values[self.rows]
         return None if self.nominal is None else self.read(slice(self.nominal, self.nominal + 1))[0]
 
     def quarters(self) -> Iterator[RunBounds | None]:
-        """Least and largest values (n, T) of each quarter of the runs, None for one without runs;
-        from the dataset if it stores them. IntervalError if a response is not finite."""
-        if "values" not in self.source:
-            arrays = [self.source[name].values[:, self.rows] for name in _BOUND_NAMES]
-            quarters = (RunBounds(*quarter) for quarter in zip(*arrays, strict=True))
-            yield from (None if (quarter.low_run < 0).any() else quarter for quarter in quarters)
-            return
+        """Least and largest values (n, T) of each quarter of the runs, None for one without runs.
+        IntervalError if a response is not finite."""
         step = max(_CHUNK // (len(self.time) * len(self.names)), 1)
         for first, last in pairwise(quarter_ends(len(self.points))):
             bounds = None
@@ -197,14 +187,9 @@ def read_samples(samples: xr.Dataset, responses: Sequence[str] | None = None) ->
     responses: names of those wanted, None: all. IntervalError for what is missing or unknown.
 
     Variables ``values`` (run, response, time), ``normalized`` (-1 to 1) and ``value`` (run,
-    parameter), perhaps ``role`` (run); coordinates ``time`` (s) and ``response``. A scan may have,
-    in the place of ``values`` and ``role``, the least and largest value within each quarter of its
-    runs, ``lower`` and ``upper`` (quarter, response, time), and which runs have them, ``lower_run``
-    and ``upper_run`` (-1: no runs); perhaps ``nominal`` (response, time), the responses at nominal
-    parameters, at which its first run then is; perhaps ``failed_normalized`` (failed, parameter),
-    points of the design whose runs failed."""
-    arrays = ("values",) if "lower_run" not in samples else _BOUND_NAMES
-    for name in ("time", "response", *arrays, "normalized", "value"):
+    parameter), perhaps ``role`` (run); coordinates ``time`` (s) and ``response``; perhaps
+    ``failed_normalized`` (failed, parameter), points of the design whose runs failed."""
+    for name in ("time", "response", "values", "normalized", "value"):
         if name not in samples:
             raise IntervalError("samples", list(samples.variables), f"a dataset with {name}")
     responses_all = [str(name) for name in samples["response"].values]
@@ -218,8 +203,6 @@ def read_samples(samples: xr.Dataset, responses: Sequence[str] | None = None) ->
     if "role" in samples:
         nominal_runs = np.flatnonzero(samples["role"].values.astype(str) == "nominal")
         nominal = int(nominal_runs[0]) if len(nominal_runs) else None
-    elif "nominal" in samples:
-        nominal = 0
     return Samples(
         names,
         [responses_all.index(name) for name in names],

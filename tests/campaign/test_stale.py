@@ -26,7 +26,7 @@ ASKED = {
     "held_out": 1,
     "quantities": {"top": {"largest": "BD"}},
     "requirements": {"short": {"top": {"at_most": 10.0}}},
-    "choose": {"parameters": {"E": [1e10, 1.01e10]}, "minimise": "upper(top)", "order": 1},
+    "choose": {"parameters": {"E": [1e10, 1.01e10]}, "minimise": "upper(top)"},
     "verify": {"max_iterations": 0},
 }
 
@@ -103,9 +103,7 @@ def test_every_result_is_of_one_stage(whole, monkeypatch):
         ("bounds", {"model": "spline"}, "design_bounds.nc"),
         ("verify", {"max_iterations": 1}, "quantities.nc"),
         ("requirements", {"short": {"top": {"at_most": 9.0}}}, "requirements.json"),
-        ("choose", {**ASKED["choose"], "order": 2}, "choice.json"),
-        ("error", {"shade_above": 0.2}, "figures/BD.png"),
-        ("figures", {"moments": 3}, "figures/campaign/moments.pdf"),
+        ("choose", {**ASKED["choose"], "minimise": "lower(top)"}, "choice.json"),
         ("published", {"BD": 0.06}, "summary.json"),
     ],
 )

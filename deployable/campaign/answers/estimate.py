@@ -24,7 +24,7 @@ from deployable.campaign.config.sections import (
 )
 from deployable.campaign.plan.jobs import LANES, run_seconds
 from deployable.campaign.plan.plan import choose_step, make_plan, read_plan
-from deployable.campaign.runs.extremes import LARGE, MOST
+from deployable.campaign.runs.results import groups_of
 from deployable.campaign.runs.store import open_store
 from deployable.campaign.text.numbers import duration_text, size_text
 from fpm.elements import Contact, Latch, Release
@@ -80,7 +80,6 @@ STRESS = 2e-5
 """Seconds to read the stress of a bar at an instant of a run."""
 
 _BOUNDS_CURVES = 22  # of a response in both bounds, surrogate and sensitivities, compressed
-_SHARE_CURVES = 4  # of a response in the file of a share of a scan
 
 
 @dataclass(frozen=True)
@@ -147,10 +146,7 @@ def estimate(
         seconds = min(seconds, ceiling)
         longest = min(ceiling, rest + cost.sum_passes(_rounds(experiment, MANY_ROUNDS))[0])
         longest = max(seconds, longest)
-    curves = _BOUNDS_CURVES * responses
-    if campaign.jobs.keep == "extremes":
-        curves += _SHARE_CURVES * min(MOST, math.ceil(runs / LARGE)) * responses
-    size = runs * bytes_of_run(campaign) + 8 * solver.instants * curves
+    size = runs * bytes_of_run(campaign) + 8 * solver.instants * _BOUNDS_CURVES * responses
     answers = "" if experiment.is_adaptive else " and ".join(_refinement_passes(campaign))
     return Estimate(
         runs, float(seconds), float(core_time), float(size), compile_time, answers, longest, ceiling
@@ -297,7 +293,7 @@ def describe_work(workflow: Any, figures: bool = True) -> str:
         plan = read_plan(folder.plan) if is_planned else make_plan(campaign.experiment)
         keep = campaign.jobs.keep
         store = open_store(keep, folder.runs(keep), campaign.experiment)
-        groups = store.groups(plan.unique_runs, campaign.jobs.group)
+        groups = groups_of(plan.unique_runs, campaign.jobs.group)
         missing, total = (sum(map(len, x)) for x in (map(store.missing, groups), groups))
         share, lacks = missing / total, set().union(*store.absences.values())
         if lacks or missing < total:

@@ -31,7 +31,7 @@ from deployable.campaign.runs.batch import (
     notify_reruns,
 )
 from deployable.campaign.runs.progress import Notify, warm_up
-from deployable.campaign.runs.results import RunRecord, pad_events
+from deployable.campaign.runs.results import RunRecord, groups_of, pad_events
 from deployable.campaign.runs.store import open_store
 
 # In unit coordinates: points nearer than this have one run, or need none of their own.
@@ -91,9 +91,7 @@ class ModelEvaluator:
     ) -> None:  # fmt: skip
         self.plan, self.folder, self.jobs = plan, folder, jobs
         self.notify, self.threads, self.further_runs = notify, threads, further_runs
-        # Single runs must keep whole responses, not only their extremes.
-        self.keep = "responses" if jobs.keep == "extremes" else jobs.keep
-        self.store = folder.runs(self.keep)
+        self.store = folder.runs(jobs.keep)
         self.points = np.zeros((0, len(plan.experiment.intervals)))
         self.numbers = np.zeros((0, len(plan.experiment.quantities)))
         self.margins = self.numbers
@@ -265,10 +263,10 @@ class ModelEvaluator:
         """The `RunRecord` of each of a plan's runs, simulated unless stored, whatever the `account`
         allows; None of one that fails."""
         self.account.count_runs([run.id for run in runs])
-        store = open_store(self.keep, self.store, plan.experiment)
+        store = open_store(self.jobs.keep, self.store, plan.experiment)
         records: dict = {}
         simulation = Simulation(plan, self.jobs.group, self.threads)
-        for group in store.groups(Runs.from_runs(runs).unique(), self.jobs.group):
+        for group in groups_of(Runs.from_runs(runs).unique(), self.jobs.group):
             missing = store.missing(group)
             notify_reruns(store, self.notify)
             if len(missing):

@@ -140,16 +140,8 @@ class Runs(Sequence[PlannedRun]):
         """Return the runs in order, without those that repeat an earlier one's parameter values."""
         if not self.values.shape[1]:
             return self[:1]
-        words = np.ascontiguousarray(self.values).view(np.uint64)
-        key: Any = np.uint64(0)
-        for column in words.T:  # equal values have equal keys
-            key = (key ^ column) * np.uint64(0x9E3779B97F4A7C15)
-            key ^= key >> np.uint64(29)
-        key.sort()
-        if (key[1:] != key[:-1]).all():
-            return self
-        rows = words.view(np.dtype((np.void, words.shape[1] * 8)))[:, 0]
-        return self[np.sort(np.unique(rows, return_index=True)[1])]
+        bits = np.ascontiguousarray(self.values).view(f"V{8 * self.values.shape[1]}")[:, 0]
+        return self[np.sort(np.unique(bits, return_index=True)[1])]
 
 
 class RunAccount:

@@ -26,7 +26,7 @@ class Envelopes(xr.Dataset):
         for name in {*names} - {*responses}:
             text = f"{name!r} is no response{did_you_mean(name, responses)}"
             raise CampaignError(f"{text}; allowed: {', '.join(responses)}")
-        return envelope([self._read(name) for name in names or responses], 0.1)
+        return envelope([self._read(name) for name in names or responses])
 
     def _read(self, name: str) -> ResponseBounds:
         data = self.sel(response=name) if "response" in self.dims else self

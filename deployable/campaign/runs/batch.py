@@ -62,7 +62,7 @@ def run_batch(
     start_clocks = clocks()
     store = open_store(jobs.keep, folder, plan.experiment)
     remove_temporary(folder)
-    groups = store.groups(plan.unique_runs, jobs.group)
+    groups = groups_of(plan.unique_runs, jobs.group)
     batch_groups = split_evenly(groups, batch, batches)
     work = [(group, missing) for group in batch_groups if len(missing := store.missing(group))]
     notify_reruns(store, notify)
@@ -73,18 +73,15 @@ def run_batch(
         scene = plan.experiment.build(plan.name_values(work[0][1][0]))
         warm_up(scene, notify, plan.experiment.record)
         describe = progress_of(plan.experiment.name, total, store.counter(groups))
-        loop_start = clocks()
+        start = time.perf_counter()
         lots = [work] if processes == 1 else [[item] for item in work]
         simulate_lot = partial(_simulate_groups, simulation, store)
         with report_step(describe, notify, processes == 1):
             for totals in spread(simulate_lot, [(lot,) for lot in lots], processes):
                 simulation.take(totals)
                 if processes > 1 and isinstance(notify, MessagePrinter):
-                    notify.move(describe((clocks() - loop_start)[0]))
-        notify(describe((clocks() - loop_start)[0]))
-        if simulation.count and jobs.minutes:
-            seconds = (clocks() - loop_start)[0] * min(processes, len(lots)) / simulation.count
-            notify(f"jobs.run_seconds: {seconds:.3g} s of a core for a run here")
+                    notify.move(describe(time.perf_counter() - start))
+        notify(describe(time.perf_counter() - start))
     store.note_failures(simulation.failures)  # of other processes
     failures = [failure for group in batch_groups for failure in store.list_failures(group)]
     check_failures(plan, failures, total)

@@ -16,7 +16,6 @@ from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import EVENT_VARIABLES, report_damage, whole_file
 from deployable.campaign.plan.plan import PlannedRun, Runs
 from deployable.campaign.runs import results as common
-from deployable.campaign.runs.extremes import ScanExtremes
 from deployable.campaign.runs.results import Result, RunRecord, Store
 from fpm.files import trajectory
 from fpm.files.seals import DamagedError, read_seal
@@ -169,22 +168,26 @@ class Responses(Store):
         values, curves = common.values_of(self.responses, outcomes), ("run", "response", "time")
         # Not compressed: it would save a third, and take half of the time of writing.
         variables: dict[str, tuple] = {
-            "time": ("f8", ("time",), outcomes[0].time, {}),
-            "values": ("f4", curves, values, {}),
-            "run_id": (str, ("run",), ids, {}),
-            "overlap": ("f8", ("run",), overlaps, {}),
-            "step": ("f8", ("run",), [outcome.step for outcome in outcomes], {}),
-            "event_margin": ("f8", ("run", "contact"), [*map(impact_margins, outcomes)], {}),
+            "contact": (str, ("contact",), np.array(contacts, str)),
+            "time": ("f8", ("time",), outcomes[0].time),
+            "values": ("f4", curves, values),
+            "run_id": (str, ("run",), ids),
+            "overlap": ("f8", ("run",), overlaps),
+            "step": ("f8", ("run",), [outcome.step for outcome in outcomes]),
+            "event_margin": ("f8", ("run", "contact"), [*map(impact_margins, outcomes)]),
         }
         for name, column in zip(EVENT_VARIABLES, np.moveaxis(events, -1, 0), strict=True):
-            variables[name] = "f8", ("run", "event"), column, {"fill_value": np.nan}
+            variables[name] = "f8", ("run", "event"), column
         if self.quantities:
             numbers = [common.numbers_of(self.quantities, outcome) for outcome in outcomes]
-            variables["quantities"] = "f8", ("run", "pair", "quantity"), numbers, {}
-        names = {"contact": contacts, **common.names_of(self)}
+            variables["quantities"] = "f8", ("run", "pair", "quantity"), numbers
+        columns = {
+            name: trajectory.NetcdfVariable(dims, content, {}, {"kind": kind})
+            for name, (kind, dims, content) in variables.items()
+        }
         path = self.path(group)
         with whole_file(path, {"name": common.title(path)}) as temporary:
-            common.write_netcdf(temporary, names, variables)
+            trajectory.write_arrays(temporary, {}, columns)
 
     def read(self, group: Runs) -> dict[str, RunRecord]:
         """Read the runs of a group from its file: returns a `RunRecord` by run id, none unless the
@@ -211,7 +214,7 @@ class Responses(Store):
         return records
 
 
-STORES = {"trajectories": Trajectories, "responses": Responses, "extremes": ScanExtremes}
+STORES = {"trajectories": Trajectories, "responses": Responses}
 
 
 def open_store(keep: str, folder: str | Path, experiment: Experiment) -> Any:

@@ -36,10 +36,6 @@ class CampaignError(Exception):
                                  for s in text))  # fmt: skip
 
 
-class HeldConfigError(CampaignError):
-    """A result file carries a config that this program cannot use; `str()` is the message."""
-
-
 def error_of_files(error: Exception, folder: Path) -> CampaignError | None:
     """Turn an error of memory, or of reading or writing files, into a `CampaignError` that tells
     users the remedy; None for others. netCDF's library names no cause: a full disk is guessed."""

@@ -13,7 +13,7 @@ from typing import Any, get_type_hints
 
 from deployable.campaign.config.sections import Campaign, Experiment, digest, from_data
 from deployable.campaign.errors import CampaignError, error_of_files
-from deployable.campaign.files import HISTORY, check_results, read_json, results_of
+from deployable.campaign.files import check_results, read_json, results_of
 from deployable.campaign.folder import MOST_PANELS, PICTURES, Folder
 from deployable.campaign.plan.plan import read_plan
 from deployable.campaign.provenance import program_digest
@@ -78,8 +78,7 @@ class Stage:
             if LOGGER.isEnabledFor(logging.DEBUG):
                 notify(f"{folder.path}: stage {self.name} took {time.monotonic() - start:.2f} s")
         except SceneError as error:  # of the structure that the results name
-            place = HISTORY[-1] if HISTORY else folder.path
-            raise CampaignError(f"{place}: {error}; run the campaign again") from error
+            raise CampaignError(f"{folder.path}: {error}; run the campaign again") from error
         except (MemoryError, OSError, RuntimeError) as error:
             file_error = error_of_files(error, folder.path)
             if file_error is None:

@@ -273,7 +273,7 @@ class ModelEvaluator:
                 check_structure(plan)
                 scene = plan.experiment.build(plan.name_values(missing[0]))
                 warm_up(scene, self.notify, plan.experiment.record)
-                store.write(group, simulation.results(missing, store.previous_columns(missing)))
+                store.write(group, simulation.results(missing))
             store.note_failures(simulation.failures)
             records |= store.read(group)
         if plan is self.plan:

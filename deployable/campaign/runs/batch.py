@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from functools import partial
-from itertools import islice
+from itertools import chain, islice
 from pathlib import Path
 from threading import Lock
 from typing import Any
@@ -31,7 +31,6 @@ from deployable.campaign.runs.progress import (
 from deployable.campaign.runs.results import Result, groups_of
 from deployable.campaign.runs.store import open_store
 from fpm.files.seals import remove_temporary
-from fpm.files.trajectory import Column
 from fpm.reading.variables import words
 from fpm.solver.simulate import HALVINGS
 
@@ -130,7 +129,7 @@ def _simulate_groups(
     """Simulate and write the missing runs of groups; return their number, the failures and the
     seconds."""
     runner = Simulation(simulation.plan, simulation.size, simulation.threads)
-    lots = [(missing, store.previous_columns(missing)) for _, missing in work]
+    lots = [missing for _, missing in work]
     for (group, _), results in zip(work, runner.run_lots(lots), strict=True):
         store.write(group, results)
         store.note_failures(runner.failures)
@@ -168,7 +167,7 @@ def make_again(plan: Plan, store: Any, group: Runs, size: int, notify: Notify) -
     check_structure(plan)
     notify(f"{plan.experiment.name}: {len(missing)} runs are missing and made again")
     simulation = Simulation(plan, size)
-    store.write(group, simulation.results(missing, store.previous_columns(missing)))
+    store.write(group, simulation.results(missing))
     store.note_failures(simulation.failures)
 
 
@@ -190,28 +189,26 @@ class Simulation:
         self.failures += failures
         self.seconds += seconds
 
-    def results(self, runs: Runs, columns: Iterable[Column] = ()) -> Iterator[Result]:
-        """Simulate runs and yield the `Result` of each that succeeds, in order. columns: (variable,
-        label of a part of the structure) pairs to record besides what responses need."""
-        for results in self.run_lots([(runs, columns)]):
+    def results(self, runs: Runs) -> Iterator[Result]:
+        """Simulate runs and yield the `Result` of each that succeeds, in order."""
+        for results in self.run_lots([runs]):
             yield from results
 
-    def run_lots(self, lots: Sequence[tuple[Runs, Iterable[Column]]]) -> Iterator[Iterator[Result]]:
-        """Simulate several lots, pairs of runs and columns (variable, label) to record, and yield
-        for each an iterator of `Result`, to be consumed in order, while threads go on."""
+    def run_lots(self, lots: Sequence[Runs]) -> Iterator[Iterator[Result]]:
+        """Simulate several lots of runs, and yield for each an iterator of `Result`, to be consumed
+        in order, while threads go on."""
         with ThreadPoolExecutor(self.threads) as pool:
 
-            def start(group: Runs, columns: Iterable[Column]) -> list[Future]:
+            def start(group: Runs) -> list[Future]:
                 count = max(1, min(self.threads, len(group) // 4))  # eight runs take as long as one
                 whole: Any = group
                 parts = [split_evenly(whole, part, count) for part in range(count)]
-                return [pool.submit(simulate, self.plan, part, columns) for part in parts]
+                return [pool.submit(simulate, self.plan, part) for part in parts]
 
-            groups = [(groups_of(runs, self.size), columns) for runs, columns in lots]
-            items = ((group, columns) for lot, columns in groups for group in lot)
-            futures = _one_ahead(start, items)
+            groups = [groups_of(runs, self.size) for runs in lots]
+            futures = _one_ahead(start, chain.from_iterable(groups))
             try:
-                for lot, _ in groups:
+                for lot in groups:
                     yield self._collect(islice(futures, len(lot)))
             finally:
                 pool.shutdown(cancel_futures=True)
@@ -224,21 +221,21 @@ class Simulation:
                 yield from results
 
 
-def _one_ahead(start: Callable, items: Iterable[tuple]) -> Iterator[Any]:
-    """`start(*item)` of all items in order, each when that of the next was called."""
+def _one_ahead(start: Callable, items: Iterable[Any]) -> Iterator[Any]:
+    """`start(item)` of all items in order, each when that of the next was called."""
     queue: deque = deque()
     for item in items:
-        queue.append(start(*item))
+        queue.append(start(item))
         if len(queue) > 1:
             yield queue.popleft()
     yield from queue
 
 
 def simulate(
-    plan: Plan, runs: Sequence[PlannedRun], columns: Iterable[Column] = ()
+    plan: Plan, runs: Sequence[PlannedRun]
 ) -> tuple[list[Result], list[FailedRun], np.ndarray]:
     """Simulate runs side by side in this thread: a `Result` or `FailedRun` each, and seconds (2) of
-    integration, wall-clock and processor. columns: (variable, label), further ones to record."""
+    integration, wall-clock and processor."""
     experiment, solver = plan.experiment, plan.experiment.solver
     parameters = [experiment.parameters(plan.name_values(run)) for run in runs]
     with _BUILD_LOCK:
@@ -250,7 +247,7 @@ def simulate(
         instants=solver.instants,
         step=plan.time.step,
         energy_tolerance=solver.energy_tolerance,
-        record=sorted({*experiment.record, *columns}),
+        record=experiment.record,
         halvings=HALVINGS if solver.step == "auto" else 0,
         readings=experiment.readings(plan.time.step),
         peaks=experiment.peaks,

@@ -102,11 +102,6 @@ class Store:
             return runs
         return runs[[i for i, run in enumerate(runs) if run.id not in self._notes]]
 
-    def previous_columns(self, runs: Runs) -> set[Column]:
-        """Return the columns (variable, label) that repeated runs must record, besides those of
-        responses, because their files had them. In this base class there are none."""
-        return set()
-
     def file_of(self, group: Runs) -> str:
         """Return the name, without suffix, of a group's file: a digest of its runs, and of the
         responses and quantities it holds."""

@@ -19,7 +19,7 @@ from deployable.campaign.runs import results as common
 from deployable.campaign.runs.results import Result, RunRecord, Store
 from fpm.files import trajectory
 from fpm.files.seals import DamagedError, read_seal
-from fpm.files.trajectory import PEAK, Column
+from fpm.files.trajectory import PEAK
 from fpm.reading.quantities import MARGIN_READS, impact_margins
 from fpm.reading.variables import VARIABLES
 
@@ -31,7 +31,6 @@ class Trajectories(Store):
 
     def __init__(self, folder: Path, experiment: Experiment):
         super().__init__(folder, experiment)
-        self._columns: dict[str, set[Column]] = {}
         self._peaks = {q.peak_column for q in experiment.peaks}
         self._reads = {column for response in self.responses for column in response.reads}
 
@@ -63,11 +62,6 @@ class Trajectories(Store):
         curves = self.curves(group)
         return group[[i for i, run in enumerate(group) if run.id not in curves]]
 
-    def previous_columns(self, runs: Runs) -> set[Column]:
-        """Return the columns (variable, label) that the files of these runs have on request."""
-        columns = set().union(*(self._columns.get(run.id, ()) for run in runs))
-        return {column for column in columns if column[0] in VARIABLES}
-
     def counter(self, groups: Sequence[Runs]) -> Callable[[], int]:
         """Return a function that counts the stored runs of these groups, by seals alone."""
         names = {run.id for group in groups for run in group}
@@ -87,7 +81,7 @@ class Trajectories(Store):
                       for key in self.experiment.intervals}  # fmt: skip
         outcomes, attributes = [r.outcome for r in results], {**results[0].common, **attributes}
         basis = {c for c in outcomes[0].columns if c[0] in (*MARGIN_READS, PEAK, *VARIABLES)}
-        columns = self._reads.union(basis, *(self._columns.get(name, ()) for name in names))
+        columns = self._reads | basis
         contents = trajectory.contents(outcomes, (), attributes, parameters, names, columns)
         path = self.folder / f"{digest(names)}.nc"
         trajectory.write(contents, path, name=common.title(path), runs=" ".join(names))
@@ -129,7 +123,6 @@ class Trajectories(Store):
                 peaks = {p for p in self._peaks if any(key == PEAK for key, _ in curves.columns)}
                 if lacks := (self._reads | peaks) - columns:
                     self.absences[name] = lacks
-                    self._columns[name] = columns
                 else:
                     sound_curves[name] = curves
                     self.absences.pop(name, None)

@@ -3,7 +3,7 @@ errors others may be added to; and numbers that compare bounds with others or wi
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -23,7 +23,6 @@ if TYPE_CHECKING:
 def bounds_dataset(
     samples: xr.Dataset,
     design: Design | None,
-    responses: Sequence[str] | None = None,
     *,
     model: str = "polynomial",
     **options: Any,
@@ -39,7 +38,6 @@ def bounds_dataset(
     design: its points must be among the runs (recognised by their unit coordinates, in any order).
         All other runs, whatever their role, test the polynomial. A scan without order has none: its
         model is "scan". Splines and scans take all runs, and need no design (None).
-    responses: names of those wanted; None: all.
     model: one of `MODELS`: "polynomial", of the design's order through the design's runs; "spline",
         one cubic spline through all runs, those of a scan or held out included; "aligned", splines
         through all runs over time that events map; "auto", for each response and stretch of time
@@ -68,7 +66,7 @@ def bounds_dataset(
     elif model in ("auto", "polynomial") and design is not None and is_plain_scan(design):
         kind = MODELS["scan"]
     check_options(f"option of model {model}", kind, options)
-    data = read_samples(samples, responses)
+    data = read_samples(samples)
     by_shares = data.ratios.any() and kind is not MODELS["scan"]
     fit = kind(shares_of(data) if by_shares else data, design, **options)
     bounds = fit.range()
@@ -130,7 +128,7 @@ def _limits(samples: Samples, is_scan: bool) -> tuple[np.ndarray, np.ndarray]:
     def number(name: str) -> np.ndarray:
         if name not in samples.source:
             return np.full(len(samples.names), np.nan)
-        return samples.source[name].values[samples.rows]
+        return samples.source[name].values
 
     floor, ceiling = number("response_floor"), number("response_ceiling")
     least, most = number("response_least"), np.full(len(floor), np.nan)

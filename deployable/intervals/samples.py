@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -69,12 +69,11 @@ def quarter_ends(runs: int) -> list[int]:
 @dataclass(frozen=True)
 class Samples:
     """R runs with n responses at T instants and k parameters, of a samples dataset (`samples.nc`).
-    names (n): of the responses; rows (n): their indices along `response` in `source`, the dataset;
-    time (T): instants, s; points (R, k): parameters of the runs, normalized to [-1, 1]; nominal:
-    index of the run at nominal parameters, None without one."""
+    names (n): of the responses; time (T): instants, s; points (R, k): parameters of the runs,
+    normalized to [-1, 1]; nominal: index of the run at nominal parameters, None without one;
+    source: the dataset."""
 
     names: list[str]
-    rows: list[int]
     time: np.ndarray
     points: np.ndarray
     nominal: int | None
@@ -96,7 +95,7 @@ class Samples:
         required torque, less 1. These are fitted after a transformation."""
         if "response_ratio" not in self.source:
             return np.zeros(len(self.names), bool)
-        return self.source["response_ratio"].values[self.rows] > 0
+        return self.source["response_ratio"].values > 0
 
     @property
     def failed_points(self) -> np.ndarray:
@@ -108,8 +107,7 @@ class Samples:
     def read(self, runs: slice) -> np.ndarray:
         """Read the responses (r, n, T) of the r runs that the slice `runs` selects, in the number
         type of the dataset; the values of other runs are not loaded."""
-        whole = self.rows == list(range(self.source.sizes["response"]))
-        return self.source["values"][runs, slice(None) if whole else self.rows].values
+        return self.source["values"][runs].values
 
     def nominal_curve(self) -> np.ndarray | None:
         """Responses (n, T) of the nominal run; None if there is no nominal run."""
@@ -130,12 +128,11 @@ class Samples:
             yield bounds
 
     def coordinates(self) -> dict:
-        """Coordinates of the samples dataset by name, with the selected responses only, for a new
-        dataset: time, names, units and words of responses and parameters, as present."""
+        """Coordinates of the samples dataset by name, for a new dataset: time, names, units and
+        words of responses and parameters, as present."""
         bases, prefixes = ("time", "response", "parameter"), ("response_", "box_")
         names = [n for n in self.source.variables if n in bases or str(n).startswith(prefixes)]
-        variables = {n: self.source[n].variable for n in names}
-        return {n: v.isel(response=self.rows, missing_dims="ignore") for n, v in variables.items()}
+        return {n: self.source[n].variable for n in names}
 
     def parameters(self) -> Callable[[np.ndarray], np.ndarray]:
         """Function that maps normalized coordinates (..., k) in [-1, 1] to parameter values (...,
@@ -182,9 +179,9 @@ def add_runs(
     return rest.merge(runs).assign_attrs(samples.attrs)
 
 
-def read_samples(samples: xr.Dataset, responses: Sequence[str] | None = None) -> Samples:
-    """Check a samples dataset and return it as `Samples`, whose values are read at first use;
-    responses: names of those wanted, None: all. IntervalError for what is missing or unknown.
+def read_samples(samples: xr.Dataset) -> Samples:
+    """Check a samples dataset and return it as `Samples`, whose values are read at first use.
+    IntervalError for what is missing.
 
     Variables ``values`` (run, response, time), ``normalized`` (-1 to 1) and ``value`` (run,
     parameter), perhaps ``role`` (run); coordinates ``time`` (s) and ``response``; perhaps
@@ -192,20 +189,12 @@ def read_samples(samples: xr.Dataset, responses: Sequence[str] | None = None) ->
     for name in ("time", "response", "values", "normalized", "value"):
         if name not in samples:
             raise IntervalError("samples", list(samples.variables), f"a dataset with {name}")
-    responses_all = [str(name) for name in samples["response"].values]
-    names = responses_all if responses is None else [str(n) for n in responses]
-    for name in names:
-        if name not in responses_all:
-            raise IntervalError("response", name, "one of " + ", ".join(responses_all))
-    if not names:
-        raise IntervalError("responses", names, "at least one")
     nominal = None
     if "role" in samples:
         nominal_runs = np.flatnonzero(samples["role"].values.astype(str) == "nominal")
         nominal = int(nominal_runs[0]) if len(nominal_runs) else None
     return Samples(
-        names,
-        [responses_all.index(name) for name in names],
+        [str(name) for name in samples["response"].values],
         np.asarray(samples["time"].values, dtype=float),
         np.asarray(samples["normalized"].values, dtype=float),
         nominal,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -30,9 +29,7 @@ def measure_widths(surrogate: Surrogate) -> np.ndarray:
     return width
 
 
-def sensitivity_dataset(
-    samples: xr.Dataset, design: Design, responses: Sequence[str] | None = None
-) -> xr.Dataset:
+def sensitivity_dataset(samples: xr.Dataset, design: Design) -> xr.Dataset:
     """Compute the influence of each parameter on each response, per instant and overall.
 
     Parameters
@@ -40,7 +37,6 @@ def sensitivity_dataset(
     samples: runs as in `samples.nc`: ``values`` (run, response, time), ``normalized`` and ``value``
         (run, parameter).
     design: points among the runs, and the polynomials that are fitted to these runs.
-    responses: names of the responses that are wanted; None: all.
 
     Returns
     -------
@@ -53,7 +49,7 @@ def sensitivity_dataset(
         is above ``error``, integrated over time, as a fraction of the sum over all parameters."""
     import xarray as xr
 
-    data = read_samples(samples, responses)
+    data = read_samples(samples)
     values, lost_error = complete_runs(design, data.points, data.values, data.failed_points)
     surrogate = fit(design, values)
     if len(test_rows := find_other_runs(data.points, design.points)):

@@ -65,10 +65,10 @@ def polynomials() -> Iterator:
         for held_out, options in ((5, {}), (0, {}), (17, {"tolerance": 0.05})):
             runs = samples(box, design, held_out)
             yield bounds_dataset(runs, design, **options)
-            yield intervals.sensitivity_dataset(runs, design, ["kink", "smooth"])
+            yield intervals.sensitivity_dataset(runs, design)
         yield intervals.surrogate_dataset(runs, design)
     scan = make_design("sobol", BOXES["2"], 4, samples=40, seed=3)
-    yield bounds_dataset(samples("2", scan), scan, ["still", "smooth"])
+    yield bounds_dataset(samples("2", scan), scan)
     yield scan
 
 
@@ -91,7 +91,7 @@ def splines() -> Iterator:
         design = make_design("sobol", BOXES[box], samples=count, seed=5)
         runs = samples(box, design)
         yield bounds_dataset(runs, design, model="spline")
-        yield bounds_dataset(runs, None, ["smooth"], model="spline")
+        yield bounds_dataset(runs, None, model="spline")
         sought = Design(design.points, design.multi_indices, "adaptive")
         bounds = bounds_dataset(runs, sought, model="spline")
         yield bounds

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from deployable.campaign.config.sections import Experiment, Jobs
+from deployable.campaign.files import ROLES
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import (
     FailedRun,
@@ -21,16 +22,11 @@ from deployable.campaign.plan.plan import (
     RunAccount,
     Runs,
     read_plan,
-    run_id,
 )
 from deployable.campaign.results.quantity_results import MAX_FIT_RUNS, FittedRuns, number
 from deployable.campaign.results.run_samples import open_samples
-from deployable.campaign.runs.batch import (
-    Simulation,
-    check_structure,
-    notify_reruns,
-)
-from deployable.campaign.runs.progress import Notify, warm_up
+from deployable.campaign.runs.batch import Simulation, complete_group
+from deployable.campaign.runs.progress import Notify
 from deployable.campaign.runs.results import RunRecord, groups_of, pad_events
 from deployable.campaign.runs.store import open_store
 
@@ -267,14 +263,7 @@ class ModelEvaluator:
         records: dict = {}
         simulation = Simulation(plan, self.jobs.group, self.threads)
         for group in groups_of(Runs.from_runs(runs).unique(), self.jobs.group):
-            missing = store.missing(group)
-            notify_reruns(store, self.notify)
-            if len(missing):
-                check_structure(plan)
-                scene = plan.experiment.build(plan.name_values(missing[0]))
-                warm_up(scene, self.notify, plan.experiment.record)
-                store.write(group, simulation.results(missing))
-            store.note_failures(simulation.failures)
+            complete_group(plan, store, group, simulation, self.notify)
             records |= store.read(group)
         if plan is self.plan:
             self.finest_step = min([self.finest_step, *(r.step for r in records.values())])
@@ -293,10 +282,7 @@ class ModelEvaluator:
 def runs_at(plan: Plan, points: Sequence[np.ndarray] | np.ndarray) -> list[PlannedRun]:
     """Make planned runs beyond the design (role "further") at normalized points (P, k), -1 to 1 in
     the box, with mesh and step of a plan; nothing is simulated."""
-    experiment, runs = plan.experiment, []
-    for point in points:
-        values = tuple(map(float, experiment.box.from_unit(point)))
-        intervals = dict(zip(experiment.intervals, values, strict=True))
-        name = run_id(experiment, experiment.parameters(intervals), plan.time.step, plan.mechanics)
-        runs.append(PlannedRun(name, "further", tuple(map(float, point)), values))
-    return runs
+    places = np.reshape(points, (-1, plan.experiment.box.dimension)).astype(float)
+    role = np.full(len(places), ROLES.index("further"), np.int8)
+    names = plan.time.step, plan.mechanics
+    return [*Runs.from_points(plan.experiment, role, places, *names)]

@@ -157,17 +157,21 @@ def notify_reruns(store: Any, notify: Notify) -> None:
     store.absences.clear()
 
 
-def make_again(plan: Plan, store: Any, group: Runs, size: int, notify: Notify) -> None:
-    """Simulate the runs of a group that a store lacks, `size` of them together, and write them into
-    it. Raises `CampaignError` if structure or code changed since the plan was made."""
+def complete_group(
+    plan: Plan, store: Any, group: Runs, simulation: "Simulation", notify: Notify, text: str = ""
+) -> None:
+    """Simulate the runs of a group that a store lacks, and write them into it; text: a message that
+    comes first, with the number of these runs in place of `{}`. Raises `CampaignError` if structure
+    or code changed since the plan was made."""
     missing = store.missing(group)
     notify_reruns(store, notify)
-    if not len(missing):
-        return
-    check_structure(plan)
-    notify(f"{plan.experiment.name}: {len(missing)} runs are missing and made again")
-    simulation = Simulation(plan, size)
-    store.write(group, simulation.results(missing))
+    if len(missing):
+        check_structure(plan)
+        if text:
+            notify(text.format(len(missing)))
+        scene = plan.experiment.build(plan.name_values(missing[0]))
+        warm_up(scene, notify, plan.experiment.record)
+        store.write(group, simulation.results(missing))
     store.note_failures(simulation.failures)
 
 

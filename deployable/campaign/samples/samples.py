@@ -13,7 +13,7 @@ from deployable.campaign.config.sections import Jobs
 from deployable.campaign.files import EVENT_VARIABLES, create, result_file
 from deployable.campaign.plan.plan import FailedRun, Plan, Runs, box_columns, failure_columns
 from deployable.campaign.provenance import as_attribute
-from deployable.campaign.runs.batch import check_failures, make_again
+from deployable.campaign.runs.batch import Simulation, check_failures, complete_group
 from deployable.campaign.runs.progress import Notify
 from deployable.campaign.runs.results import RunRecord, groups_of, pad_events
 from deployable.campaign.runs.store import open_store
@@ -50,7 +50,8 @@ def gather(
         for group in groups:
             records = store.read(group)
             if len(records) < len(store.sound(group)):
-                make_again(plan, store, group, jobs.group, notify)
+                text = f"{plan.experiment.name}: {{}} runs are missing and made again"
+                complete_group(plan, store, group, Simulation(plan, jobs.group), notify, text)
                 records = store.read(group)
             if not records:
                 continue

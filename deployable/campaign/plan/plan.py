@@ -16,7 +16,7 @@ import hashlib
 import json
 import math
 from base64 import b64decode, b64encode
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass, field
 from functools import cached_property, lru_cache
 from pathlib import Path
@@ -171,35 +171,31 @@ class RunAccount:
 def namer(
     experiment: Experiment, step: float, mechanics: str
 ) -> Callable[[tuple[float, ...]], str]:
-    """Make a function that computes a run's id from its values (k) of the interval parameters.
-    step: time step (s); mechanics: digest of the structure and of the code that computes runs."""
+    """Make a function that computes a run's id (16 hex digits) from its values (k) of the interval
+    parameters, and from all else that its motion depends on. step: time step (s); mechanics: digest
+    of the structure and of the code that computes runs."""
 
     @lru_cache(_MAX_NAMES)
     def name(values: tuple[float, ...]) -> str:
-        values_by_name = dict(zip(experiment.intervals, values, strict=True))
-        return run_id(experiment, experiment.parameters(values_by_name), step, mechanics)
+        parameters = experiment.parameters(dict(zip(experiment.intervals, values, strict=True)))
+        solver = experiment.solver
+        return digest(
+            {
+                "scene": experiment.scene.name,
+                "parameters": {
+                    name: float(value) if type(value) is int else value
+                    for name, value in parameters.items()
+                },
+                "duration": solver.duration,
+                "instants": solver.instants,
+                "readings": experiment.readings(step),
+                "step": step,
+                "energy_tolerance": solver.energy_tolerance,
+                "mechanics": mechanics,
+            }
+        )
 
     return name
-
-
-def run_id(experiment: Experiment, parameters: Mapping, step: float, mechanics: str) -> str:
-    """Compute the id of a run (16 hex digits) from all that its motion depends on. parameters: all
-    of the structure's, by name, in their units; step (s), mechanics: as of `namer`."""
-    return digest(
-        {
-            "scene": experiment.scene.name,
-            "parameters": {
-                name: float(value) if type(value) is int else value
-                for name, value in parameters.items()
-            },
-            "duration": experiment.solver.duration,
-            "instants": experiment.solver.instants,
-            "readings": experiment.readings(step),
-            "step": step,
-            "energy_tolerance": experiment.solver.energy_tolerance,
-            "mechanics": mechanics,
-        }
-    )
 
 
 @dataclass(frozen=True)

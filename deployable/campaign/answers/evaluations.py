@@ -249,26 +249,26 @@ class ModelEvaluator:
         rows = np.flatnonzero(self.account.count_runs([run.id for run in runs]))
         numbers, margins = np.full((2, len(runs), len(self.experiment.quantities)), np.nan)
         if len(rows):
-            records = self.records(plan, [runs[row] for row in rows])
+            records = self.records(plan, runs[rows])
             for row, record in zip(rows, records, strict=True):
                 if record is not None:
                     numbers[row], margins[row] = record.numbers, record.margins
         return numbers, margins
 
-    def records(self, plan: Plan, runs: Sequence[PlannedRun]) -> list[RunRecord | None]:
+    def records(self, plan: Plan, runs: Runs) -> list[RunRecord | None]:
         """The `RunRecord` of each of a plan's runs, simulated unless stored, whatever the `account`
         allows; None of one that fails."""
         self.account.count_runs([run.id for run in runs])
         store = open_store(self.jobs.keep, self.store, plan.experiment)
         records: dict = {}
         simulation = Simulation(plan, self.jobs.group, self.threads)
-        for group in groups_of(Runs.from_runs(runs).unique(), self.jobs.group):
+        for group in groups_of(runs.unique(), self.jobs.group):
             complete_group(plan, store, group, simulation, self.notify)
             records |= store.read(group)
         if plan is self.plan:
             self.finest_step = min([self.finest_step, *(r.step for r in records.values())])
         self.simulated += simulation.count
-        failures = store.list_failures(Runs.from_runs(runs))
+        failures = store.list_failures(runs)
         if plan is self.plan:
             known_ids = {f.run.id for f in (*self.planned_failures, *self.failures)}
             self.failures = [*self.failures, *(f for f in failures if f.run.id not in known_ids)]
@@ -279,10 +279,10 @@ class ModelEvaluator:
         return [records.get(run.id) for run in runs]
 
 
-def runs_at(plan: Plan, points: Sequence[np.ndarray] | np.ndarray) -> list[PlannedRun]:
-    """Make planned runs beyond the design (role "further") at normalized points (P, k), -1 to 1 in
+def runs_at(plan: Plan, points: Sequence[np.ndarray] | np.ndarray) -> Runs:
+    """Make runs beyond the design (role "further") at normalized points (P, k), -1 to 1 in
     the box, with mesh and step of a plan; nothing is simulated."""
     places = np.reshape(points, (-1, plan.experiment.box.dimension)).astype(float)
     role = np.full(len(places), ROLES.index("further"), np.int8)
     names = plan.time.step, plan.mechanics
-    return [*Runs.from_points(plan.experiment, role, places, *names)]
+    return Runs.from_points(plan.experiment, role, places, *names)

@@ -95,16 +95,6 @@ class Runs(Sequence[PlannedRun]):
         self.role, self.normalized, self.values, self.id_of = role, points, values, id_of
 
     @classmethod
-    def from_runs(cls, runs: Sequence[PlannedRun]) -> "Runs":
-        """Make the sequence from `PlannedRun` objects, which keep their ids."""
-        role = np.array([ROLES.index(run.role) for run in runs], np.int8)
-        names = {run.values: run.id for run in runs}
-        normalized, values = (
-            np.array([getattr(r, key) for r in runs], float) for key in ("normalized", "values")
-        )
-        return cls(role, normalized, values, names.__getitem__)
-
-    @classmethod
     def from_points(
         cls, experiment: Experiment, role: np.ndarray, points: np.ndarray, step: float,
         mechanics: str,

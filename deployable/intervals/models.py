@@ -143,7 +143,7 @@ class ScanModel(Model):
         total: Any = None
         totals = []
         for quarter in samples.quarters():
-            total = quarter.merge(total) if quarter else total
+            total = total.merge(quarter) if total else quarter
             totals.append(total)
         self.total = total
         self.growth, self.growth_quarter = (  # on the side where they grew more

@@ -21,7 +21,7 @@ _CHUNK = 1 << 23  # numbers in memory at a time
 @dataclass(frozen=True)
 class RunBounds:
     """Least and largest values of a stream of runs: `low`, `high` (...), and `low_run`, `high_run`
-    (...), the runs that have them; of equal values the least index, whatever the grouping."""
+    (...), the runs that have them, of equal values the first."""
 
     low: np.ndarray
     high: np.ndarray
@@ -41,24 +41,18 @@ class RunBounds:
             numbers[high[0]],
         )
 
-    def merge(self, rival: RunBounds | None) -> RunBounds:
-        """Return the least and largest values of these runs and those of `rival`, with the runs
-        that have them; None: these alone."""
-        if rival is None:
+    def merge(self, later: RunBounds | None) -> RunBounds:
+        """Return the least and largest values of these runs and of `later` ones, with the runs that
+        have them, the first of several; None: these alone."""
+        if later is None:
             return self
-        lower = _comes_first(rival.low, self.low, rival.low_run, self.low_run)
-        higher = _comes_first(-rival.high, -self.high, rival.high_run, self.high_run)
+        lower, higher = later.low < self.low, later.high > self.high
         return RunBounds(
-            np.where(lower, rival.low, self.low),
-            np.where(higher, rival.high, self.high),
-            np.where(lower, rival.low_run, self.low_run),
-            np.where(higher, rival.high_run, self.high_run),
+            np.where(lower, later.low, self.low),
+            np.where(higher, later.high, self.high),
+            np.where(lower, later.low_run, self.low_run),
+            np.where(higher, later.high_run, self.high_run),
         )
-
-
-def _comes_first(value: np.ndarray, rival: np.ndarray, run: np.ndarray, rival_run: np.ndarray):
-    """Return where `value` is less than `rival`, or equal and from an earlier run."""
-    return (value < rival) | ((value == rival) & (run < rival_run))
 
 
 def quarter_ends(runs: int) -> list[int]:
@@ -118,13 +112,14 @@ class Samples:
         IntervalError if a response is not finite."""
         step = max(_CHUNK // (len(self.time) * len(self.names)), 1)
         for first, last in pairwise(quarter_ends(len(self.points))):
-            bounds = None
+            bounds: RunBounds | None = None
             for start in range(first, last, step):
                 stop = min(start + step, last)
                 values = self.read(slice(start, stop))
                 if not np.isfinite(values).all():
                     raise IntervalError("samples", "not finite", "finite responses in every run")
-                bounds = RunBounds.from_runs(values, np.arange(start, stop)).merge(bounds)
+                runs = RunBounds.from_runs(values, np.arange(start, stop))
+                bounds = bounds.merge(runs) if bounds else runs
             yield bounds
 
     def coordinates(self) -> dict:

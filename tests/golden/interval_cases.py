@@ -82,7 +82,7 @@ def scans() -> Iterator:
         RunBounds.from_runs(values[part], np.arange(30)[part])
         for part in (slice(12), slice(12, 30))
     )
-    yield from (one.merge(other), other.merge(one), other.merge(None), quarter_ends(30))
+    yield from (one.merge(other), other.merge(None), quarter_ends(30))
 
 
 def splines() -> Iterator:

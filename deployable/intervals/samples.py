@@ -41,17 +41,17 @@ class RunBounds:
             numbers[high[0]],
         )
 
-    def merge(self, later: RunBounds | None) -> RunBounds:
-        """Return the least and largest values of these runs and of `later` ones, with the runs that
+    def merge(self, next_runs: RunBounds | None) -> RunBounds:
+        """Return the least and largest values of these runs and of `next_runs`, with the runs that
         have them, the first of several; None: these alone."""
-        if later is None:
+        if next_runs is None:
             return self
-        lower, higher = later.low < self.low, later.high > self.high
+        lower, higher = next_runs.low < self.low, next_runs.high > self.high
         return RunBounds(
-            np.where(lower, later.low, self.low),
-            np.where(higher, later.high, self.high),
-            np.where(lower, later.low_run, self.low_run),
-            np.where(higher, later.high_run, self.high_run),
+            np.where(lower, next_runs.low, self.low),
+            np.where(higher, next_runs.high, self.high),
+            np.where(lower, next_runs.low_run, self.low_run),
+            np.where(higher, next_runs.high_run, self.high_run),
         )
 
 

@@ -129,13 +129,13 @@ def test_no_stage_takes_the_results_of_another_config(tmp_path, monkeypatch):
         "d": {"solver": {**RAW["solver"], "duration": 0.02}},
         "e": {"solver": {**RAW["solver"], "safety": 0.4}},
     }
-    same = {"a": {}, "c": {"figures": {"moments": 3}}}
+    same = {"a": {}, "c": {"published": {"BD": 0.1}}}
     for name, more in {**others, **same}.items():
         Path(f"{name}.yaml").write_text(yaml.safe_dump({**raw, **more}))
     first = Workflow.from_files(["a.yaml"])
     write_plan(make_plan(first.campaign.experiment), first.folder.plan)
     for name in same:
-        assert STAGES["page"].sections_in(f"{name}.yaml", first.folder)
+        assert STAGES["answers"].sections_in(f"{name}.yaml", first.folder)
 
     def refuse(stage, name, cause="the results in {} belong to another config than {}"):
         cause = cause.format(first.folder.path, file := f"{name}.yaml")

@@ -36,10 +36,6 @@ class CampaignError(Exception):
                                  for s in text))  # fmt: skip
 
 
-class HeldConfigError(CampaignError):
-    """A result file carries a config that this program cannot use; `str()` is the message."""
-
-
 def error_of_files(error: Exception, folder: Path) -> CampaignError | None:
     """Turn an error of memory, or of reading or writing files, into a `CampaignError` that tells
     users the remedy; None for others. netCDF's library names no cause: a full disk is guessed."""
@@ -49,7 +45,7 @@ def error_of_files(error: Exception, folder: Path) -> CampaignError | None:
     if isinstance(error, MemoryError):
         return CampaignError(
             f"this machine has too little memory ({error or 'no size is known'}); {_SAFE}: lower "
-            "jobs.group, solver.instants or the number of responses, or set jobs.keep: extremes"
+            "jobs.group, solver.instants or the number of responses"
         )
     library = isinstance(error, RuntimeError) and "NetCDF" in str(error)
     if not library and not isinstance(error, OSError):

@@ -60,7 +60,7 @@ class Folder:
 
     def runs(self, keep: str) -> Path:
         """Folder in which runs are stored, the same for all rounds. keep: its name, that is
-        `jobs.keep` of the config, what is kept of a run: trajectories, responses or extremes."""
+        `jobs.keep` of the config, what is kept of a run: trajectories or responses."""
         return self.whole / keep
 
     @property

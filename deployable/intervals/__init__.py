@@ -13,6 +13,6 @@ from .models import MODELS, Model
 from .ranges import Range, find_surrogate_range
 from .rounds import BoundPoints, choose_bound_points, seek_points
 from .samples import RunBounds, add_runs
-from .sensitivity import measure_sensitivity, sensitivity_dataset, surrogate_dataset
+from .sensitivity import sensitivity_dataset, surrogate_dataset
 from .spline_extremes import spline_range
 from .splines import MAX_RUNS, Spline, check_spline_runs, fit_spline

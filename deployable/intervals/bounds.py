@@ -3,7 +3,7 @@ errors others may be added to; and numbers that compare bounds with others or wi
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -23,10 +23,8 @@ if TYPE_CHECKING:
 def bounds_dataset(
     samples: xr.Dataset,
     design: Design | None,
-    responses: Sequence[str] | None = None,
     *,
     model: str = "polynomial",
-    window: float | None = None,
     **options: Any,
 ) -> xr.Dataset:
     """Compute a dataset of bounds of the responses over the box, with estimated errors, by instant.
@@ -36,18 +34,14 @@ def bounds_dataset(
     samples: dimensions run, response, time, parameter; variables ``values`` (run, response, time),
         ``normalized`` (-1 to 1) and ``value`` (run, parameter), ``role`` (run); coordinates
         ``time`` (s) and ``response`` (names), and ``response_units``, ``response_long_name``
-        (response) to be taken over. Running bounds may stand in the place of values, for the model
-        "scan" (see `read_samples`).
+        (response) to be taken over.
     design: its points must be among the runs (recognised by their unit coordinates, in any order).
         All other runs, whatever their role, test the polynomial. A scan without order has none: its
         model is "scan". Splines and scans take all runs, and need no design (None).
-    responses: names of those wanted; None: all.
     model: one of `MODELS`: "polynomial", of the design's order through the design's runs; "spline",
         one cubic spline through all runs, those of a scan or held out included; "aligned", splines
         through all runs over time that events map; "auto", for each response and stretch of time
         that of these which predicts left-out runs best; "scan", the least and the largest sample.
-    window: half width (s) of the time in which the largest error counts; None: 0.5 % of the
-        duration.
     options: keyword-only arguments of the model's constructor, as `tolerance` of `PolynomialModel`.
 
     Returns
@@ -72,11 +66,11 @@ def bounds_dataset(
     elif model in ("auto", "polynomial") and design is not None and is_plain_scan(design):
         kind = MODELS["scan"]
     check_options(f"option of model {model}", kind, options)
-    data = read_samples(samples, responses)
+    data = read_samples(samples)
     by_shares = data.ratios.any() and kind is not MODELS["scan"]
     fit = kind(shares_of(data) if by_shares else data, design, **options)
     bounds = fit.range()
-    error = fit.error(bounds, window)
+    error = fit.error(bounds)
     if by_shares:
         bounds, error = ratios_of(data, bounds, error)
     least, most = (limit[:, None] for limit in _limits(data, kind is MODELS["scan"]))
@@ -134,7 +128,7 @@ def _limits(samples: Samples, is_scan: bool) -> tuple[np.ndarray, np.ndarray]:
     def number(name: str) -> np.ndarray:
         if name not in samples.source:
             return np.full(len(samples.names), np.nan)
-        return samples.source[name].values[samples.rows]
+        return samples.source[name].values
 
     floor, ceiling = number("response_floor"), number("response_ceiling")
     least, most = number("response_least"), np.full(len(floor), np.nan)
@@ -172,32 +166,29 @@ def _share(name: str, text: str, error: np.ndarray, time: np.ndarray, bounds: Ra
 
 def _numbers(time: np.ndarray, bounds: Range, error: np.ndarray) -> dict[str, tuple]:
     """Variables (n) of bounds and their error (n, T)."""
-    gap, error_text = "gap between outer and attained bounds", "estimated error of the bounds"
+    text = "estimated error of the bounds"
     return {
         **_largest("width", bounds.upper - bounds.lower, time),
         **_largest("error", error, time),
-        **_share("gap_share_of_width", gap, bounds.gap, time, bounds),
-        **_share("error_share_of_width", error_text, error, time, bounds),
+        **_share("error_share_of_width", text, error, time, bounds),
     }
 
 
 _RANGE = ("lower", "upper", "inner_lower", "inner_upper", "argmin", "argmax")
 
 
-def add_errors(
-    bounds: xr.Dataset, parts: Mapping[str, np.ndarray], window: float | None = None
-) -> xr.Dataset:
+def add_errors(bounds: xr.Dataset, parts: Mapping[str, np.ndarray]) -> xr.Dataset:
     """Add further error components to a bounds dataset: returns a copy whose ``error`` (response,
     time) is the sum of the surrogate's and of all `parts`.
 
     parts: errors (n, T) by name of the component, such as "mesh", of n responses at T instants, in
-    the responses' units, NaN where not known; the largest size within `window` (half width, s;
-    None: 0.5 % of the duration) of each instant counts. The copy gets ``error_surrogate`` and
+    the responses' units, NaN where not known; the largest size within 0.5 % of the duration of
+    each instant counts. The copy gets ``error_surrogate`` and
     ``error_<name>`` (response, time), and ``share_surrogate`` and ``share_<name>`` (response),
     fractions of the width, both integrated over time; ``largest_error``, its time and
     ``error_share_of_width`` are the sum's."""
     time, curves = bounds["time"].values, {"surrogate": bounds["error"].values}
-    curves |= {name: widen(time, np.abs(values), window) for name, values in parts.items()}
+    curves |= {name: widen(time, np.abs(values)) for name, values in parts.items()}
     bounds_range = Range(*(bounds[name].values for name in _RANGE))
     return bounds.assign(_errors(time, bounds_range, curves)).assign_attrs(error_parts=list(curves))
 

@@ -57,13 +57,10 @@ class Method:
     orders, 0 in directions without a width, None where a user gave none; free (k): mask of the
     directions with a width; limit: function that it calls with the number of its points as soon as
     that is known, and that raises if there are too many; options: its keyword-only arguments, for
-    users. needs_order: whether a user must give an order. symmetric: whether directions in another
-    order have the same points, in that order; those of a sequence have not, so that such a design
-    is always made in one order of the parameters, the structure's. most: directions at most."""
+    users. needs_order: whether a user must give an order. most: directions at most."""
 
     make: Callable[..., Design]
     needs_order: bool = True
-    symmetric: bool = True
     most: int = MOST_FULL
 
     @property
@@ -222,8 +219,8 @@ METHODS: dict[str, Method] = {
     "tensor_roots": Method(partial(_tensor, chebyshev.roots)),
     "tensor_lobatto": Method(partial(_tensor, chebyshev.lobatto)),
     "smolyak": Method(_smolyak),
-    "sobol": Method(_sobol, needs_order=False, symmetric=False),
-    "screening": Method(_screening, needs_order=False, symmetric=False, most=MAX_DIMENSION),
+    "sobol": Method(_sobol, needs_order=False),
+    "screening": Method(_screening, needs_order=False, most=MAX_DIMENSION),
 }
 
 

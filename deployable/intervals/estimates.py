@@ -68,29 +68,23 @@ class ErrorEstimate:
     decay: np.ndarray
 
 
-def estimate_error(
-    time: np.ndarray, held_out: np.ndarray, decay: np.ndarray, window: float | None = None
-) -> ErrorEstimate:
+def estimate_error(time: np.ndarray, held_out: np.ndarray, decay: np.ndarray) -> ErrorEstimate:
     """Combine error estimates (..., T) of a surrogate: `held_out`, of runs not fitted, and `decay`,
-    of coefficients. `total` is the larger, widened to the largest within `window` (half width, s;
-    None: 0.5 % of the duration)."""
-    return ErrorEstimate(widen(time, np.maximum(held_out, decay), window), held_out, decay)
+    of coefficients. `total` is the larger, widened (`widen`)."""
+    return ErrorEstimate(widen(time, np.maximum(held_out, decay)), held_out, decay)
 
 
-def estimate_decay(
-    surrogate: Surrogate, time: np.ndarray | None = None, window: float | None = None
-) -> np.ndarray:
+def estimate_decay(surrogate: Surrogate, time: np.ndarray | None = None) -> np.ndarray:
     """Extrapolate the neglected tail (..., T) of a polynomial from the decay of its coefficients.
 
     In each direction the shells S_l = sum of |c_i| with i_j = l give the next two, S_(n+2) = S_n
     S_n / S_(n-2): two places at a time, since odd or even functions have every second coefficient
     zero. Where total degree limits the basis, its shells stand for all directions at once.
 
-    time (T): instants (s) of the last axis, or None. With it, the largest coefficients within
-    `window` (half width, s; None: 0.5 % of the duration) count."""
+    time (T): instants (s) of the last axis, or None. With it, coefficients are widened."""
     indices, c = surrogate.multi_indices, np.abs(surrogate.coefficients)
     if time is not None:
-        c = widen(time, c, window)
+        c = widen(time, c)
     degrees = surrogate.degrees
     if not degrees.any():
         return np.zeros(c.shape[1:])
@@ -108,12 +102,10 @@ def limit_decay(
     residuals: np.ndarray,
     decay: np.ndarray,
     time: np.ndarray,
-    window: float | None = None,
 ) -> np.ndarray:
     """Limit the extrapolated tail `decay` (..., T) of a polynomial to what validation runs allow,
     and return it. points (N, k): of the fitted runs; test_points (R, k): of the validation runs;
-    residuals (R, ..., T): their values less the polynomial's; time (T): instants, s; window: half
-    width (s) of the time in which the largest counts, None: 0.5 % of the duration.
+    residuals (R, ..., T): their values less the polynomial's; time (T): instants, s.
 
     The tail is at most 10 times (`MAX_TAIL_RATIO`) the larger of the largest residual and the sizes
     of the next two coefficients along each direction, as the residuals determine them; with too few
@@ -135,7 +127,7 @@ def limit_decay(
     coefficients = np.linalg.pinv(residual_basis) @ residuals.reshape(len(test_points), -1)
     size_sum = np.abs(coefficients).sum(axis=0).reshape(decay.shape)
     size_sum = np.maximum(size_sum, np.abs(residuals).max(axis=0))
-    return np.minimum(decay, MAX_TAIL_RATIO * widen(time, size_sum, window))
+    return np.minimum(decay, MAX_TAIL_RATIO * widen(time, size_sum))
 
 
 def power_mean(left_out: np.ndarray, directions: int) -> np.ndarray:

@@ -66,12 +66,9 @@ class Model:
         that are wanted, the others may be anything; None: all."""
         raise NotImplementedError
 
-    def error(
-        self, bounds: Range, window: float | None, columns: np.ndarray | None = None
-    ) -> ErrorEstimate:
-        """Estimated error (n, T) of `bounds`, the result of `range`; window: half width (s) of the
-        time in which the largest error counts, None: 0.5 % of the duration; columns (n, T): mask of
-        the bounds that are this model's, None: all; errors elsewhere do not count."""
+    def error(self, bounds: Range, columns: np.ndarray | None = None) -> ErrorEstimate:
+        """Estimated error (n, T) of `bounds`, the result of `range`; columns (n, T): mask of the
+        bounds that are this model's, None: all; errors elsewhere do not count."""
         raise NotImplementedError
 
     def centre(self) -> np.ndarray | None:
@@ -115,9 +112,7 @@ class PolynomialModel(Model):
         )
         return left_out
 
-    def error(
-        self, bounds: Range, window: float | None, columns: np.ndarray | None = None
-    ) -> ErrorEstimate:
+    def error(self, bounds: Range, columns: np.ndarray | None = None) -> ErrorEstimate:
         samples, surrogate = self.samples, self.surrogate
         points, time = samples.points[self.test_rows], samples.time
         values = samples.values[self.test_rows]
@@ -125,10 +120,10 @@ class PolynomialModel(Model):
             coefficients = np.where(columns, surrogate.coefficients, 0.0)
             surrogate, values = replace(surrogate, coefficients=coefficients), values * columns
         residuals = values - surrogate.evaluate(points)
-        decay = estimate_decay(surrogate, time, window)
-        decay = limit_decay(surrogate, self.design.points, points, residuals, decay, time, window)
+        decay = estimate_decay(surrogate, time)
+        decay = limit_decay(surrogate, self.design.points, points, residuals, decay, time)
         held_out = np.abs(residuals).max(axis=0, initial=0.0)
-        error = estimate_error(time, held_out, _errors_within(decay, columns), window)
+        error = estimate_error(time, held_out, _errors_within(decay, columns))
         return replace(error, total=error.total + self.lost_error)
 
     def centre(self) -> np.ndarray:
@@ -139,8 +134,7 @@ class ScanModel(Model):
     """Bounds by all runs, without a fit, whatever the design (ignored); they may exceed the memory.
 
     The error, by how much the bounds grew from the first half of the runs to all, is an estimate of
-    what is still missing, no limit (docs/intervals.md). Samples are read in chunks, unless the
-    dataset has the extremes of each quarter."""
+    what is still missing, no limit (docs/intervals.md). Samples are read in chunks."""
 
     kind = "least and largest sample"
 
@@ -149,7 +143,7 @@ class ScanModel(Model):
         total: Any = None
         totals = []
         for quarter in samples.quarters():
-            total = quarter.merge(total) if quarter else total
+            total = total.merge(quarter) if total else quarter
             totals.append(total)
         self.total = total
         self.growth, self.growth_quarter = (  # on the side where they grew more
@@ -172,9 +166,7 @@ class ScanModel(Model):
         total, points = self.total, self.points
         return to_range(total.low, total.high, points[total.low_run], points[total.high_run])
 
-    def error(
-        self, bounds: Range, window: float | None, columns: np.ndarray | None = None
-    ) -> ErrorEstimate:
+    def error(self, bounds: Range, columns: np.ndarray | None = None) -> ErrorEstimate:
         return ErrorEstimate(self.growth, self.growth, np.zeros_like(self.growth))
 
     def variables(self) -> dict:
@@ -244,9 +236,7 @@ class SplineModel(Model):
         argmin, argmax = bounds.argmin[..., self._inverse], bounds.argmax[..., self._inverse]
         return replace(bounds, argmin=argmin, argmax=argmax)
 
-    def error(
-        self, bounds: Range, window: float | None, columns: np.ndarray | None = None
-    ) -> ErrorEstimate:
+    def error(self, bounds: Range, columns: np.ndarray | None = None) -> ErrorEstimate:
         spline = self.spline
         free = int((spline.scales > 0).sum())
         if self.averages:
@@ -257,7 +247,7 @@ class SplineModel(Model):
                 for x in (bounds.argmin, bounds.argmax):
                     left_out = np.maximum(left_out, self._next_to(x[..., self.order], free + 1))
         left_out = _errors_within(left_out + spline.misfit, columns)
-        return estimate_error(self.samples.time, left_out, np.zeros_like(left_out), window)
+        return estimate_error(self.samples.time, left_out, np.zeros_like(left_out))
 
     def _next_to(self, points: np.ndarray, count: int) -> np.ndarray:
         """Largest left-out error (n, T) of the `count` runs nearest to unit points at (n, T, k)."""
@@ -352,9 +342,7 @@ class AlignedModel(Model):
         low, x_low, high, x_high = sides
         return to_range(low, high, x_low, x_high)
 
-    def error(
-        self, bounds: Range, window: float | None, columns: np.ndarray | None = None
-    ) -> ErrorEstimate:
+    def error(self, bounds: Range, columns: np.ndarray | None = None) -> ErrorEstimate:
         time, total = self.samples.time, self.model_error.copy()
         sides = (bounds.inner_lower, bounds.argmin), (bounds.inner_upper, bounds.argmax)
         for curve, x in sides:
@@ -445,11 +433,9 @@ class AutoModel(Model):
         ranges = [fit.range(self.choice == i) for i, fit in enumerate(self.fits)]
         return self._join(ranges)
 
-    def error(
-        self, bounds: Range, window: float | None, columns: np.ndarray | None = None
-    ) -> ErrorEstimate:
+    def error(self, bounds: Range, columns: np.ndarray | None = None) -> ErrorEstimate:
         pairs = enumerate(self.fits)
-        error = self._join([fit.error(bounds, window, self.choice == i) for i, fit in pairs])
+        error = self._join([fit.error(bounds, self.choice == i) for i, fit in pairs])
         return replace(error, total=np.maximum(error.total, self.part_error))
 
     def _join(self, results: list) -> Any:

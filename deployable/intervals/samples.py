@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -16,13 +16,12 @@ if TYPE_CHECKING:
     import xarray as xr
 
 _CHUNK = 1 << 23  # numbers in memory at a time
-_BOUND_NAMES = ("lower", "upper", "lower_run", "upper_run")
 
 
 @dataclass(frozen=True)
 class RunBounds:
     """Least and largest values of a stream of runs: `low`, `high` (...), and `low_run`, `high_run`
-    (...), the runs that have them; of equal values the least index, whatever the grouping."""
+    (...), the runs that have them, of equal values the first."""
 
     low: np.ndarray
     high: np.ndarray
@@ -42,24 +41,18 @@ class RunBounds:
             numbers[high[0]],
         )
 
-    def merge(self, rival: RunBounds | None) -> RunBounds:
-        """Return the least and largest values of these runs and those of `rival`, with the runs
-        that have them; None: these alone."""
-        if rival is None:
+    def merge(self, next_runs: RunBounds | None) -> RunBounds:
+        """Return the least and largest values of these runs and of `next_runs`, with the runs that
+        have them, the first of several; None: these alone."""
+        if next_runs is None:
             return self
-        lower = _comes_first(rival.low, self.low, rival.low_run, self.low_run)
-        higher = _comes_first(-rival.high, -self.high, rival.high_run, self.high_run)
+        lower, higher = next_runs.low < self.low, next_runs.high > self.high
         return RunBounds(
-            np.where(lower, rival.low, self.low),
-            np.where(higher, rival.high, self.high),
-            np.where(lower, rival.low_run, self.low_run),
-            np.where(higher, rival.high_run, self.high_run),
+            np.where(lower, next_runs.low, self.low),
+            np.where(higher, next_runs.high, self.high),
+            np.where(lower, next_runs.low_run, self.low_run),
+            np.where(higher, next_runs.high_run, self.high_run),
         )
-
-
-def _comes_first(value: np.ndarray, rival: np.ndarray, run: np.ndarray, rival_run: np.ndarray):
-    """Return where `value` is less than `rival`, or equal and from an earlier run."""
-    return (value < rival) | ((value == rival) & (run < rival_run))
 
 
 def quarter_ends(runs: int) -> list[int]:
@@ -70,12 +63,11 @@ def quarter_ends(runs: int) -> list[int]:
 @dataclass(frozen=True)
 class Samples:
     """R runs with n responses at T instants and k parameters, of a samples dataset (`samples.nc`).
-    names (n): of the responses; rows (n): their indices along `response` in `source`, the dataset;
-    time (T): instants, s; points (R, k): parameters of the runs, normalized to [-1, 1]; nominal:
-    index of the run at nominal parameters, None without one."""
+    names (n): of the responses; time (T): instants, s; points (R, k): parameters of the runs,
+    normalized to [-1, 1]; nominal: index of the run at nominal parameters, None without one;
+    source: the dataset."""
 
     names: list[str]
-    rows: list[int]
     time: np.ndarray
     points: np.ndarray
     nominal: int | None
@@ -84,9 +76,7 @@ class Samples:
     @cached_property
     def values(self) -> np.ndarray:
         """Responses (R, n, T) of all runs, in double precision, read at first use; IntervalError
-        for values that are not finite, or where the dataset has only the least and largest."""
-        if "values" not in self.source:
-            raise IntervalError("samples", "extremes only", "the responses of every run")
+        for values that are not finite."""
         values = np.asarray(self.read(slice(None)), dtype=float)
         bad = [n for i, n in enumerate(self.names) if not np.isfinite(values[:, i]).all()]
         if bad:
@@ -99,7 +89,7 @@ class Samples:
         required torque, less 1. These are fitted after a transformation."""
         if "response_ratio" not in self.source:
             return np.zeros(len(self.names), bool)
-        return self.source["response_ratio"].values[self.rows] > 0
+        return self.source["response_ratio"].values > 0
 
     @property
     def failed_points(self) -> np.ndarray:
@@ -111,41 +101,33 @@ class Samples:
     def read(self, runs: slice) -> np.ndarray:
         """Read the responses (r, n, T) of the r runs that the slice `runs` selects, in the number
         type of the dataset; the values of other runs are not loaded."""
-        whole = self.rows == list(range(self.source.sizes["response"]))
-        return self.source["values"][runs, slice(None) if whole else self.rows].values
+        return self.source["values"][runs].values
 
     def nominal_curve(self) -> np.ndarray | None:
         """Responses (n, T) of the nominal run; None if there is no nominal run."""
-        if "nominal" in self.source:
-            return self.source["nominal"].values[self.rows]
         return None if self.nominal is None else self.read(slice(self.nominal, self.nominal + 1))[0]
 
     def quarters(self) -> Iterator[RunBounds | None]:
-        """Least and largest values (n, T) of each quarter of the runs, None for one without runs;
-        from the dataset if it stores them. IntervalError if a response is not finite."""
-        if "values" not in self.source:
-            arrays = [self.source[name].values[:, self.rows] for name in _BOUND_NAMES]
-            quarters = (RunBounds(*quarter) for quarter in zip(*arrays, strict=True))
-            yield from (None if (quarter.low_run < 0).any() else quarter for quarter in quarters)
-            return
+        """Least and largest values (n, T) of each quarter of the runs, None for one without runs.
+        IntervalError if a response is not finite."""
         step = max(_CHUNK // (len(self.time) * len(self.names)), 1)
         for first, last in pairwise(quarter_ends(len(self.points))):
-            bounds = None
+            bounds: RunBounds | None = None
             for start in range(first, last, step):
                 stop = min(start + step, last)
                 values = self.read(slice(start, stop))
                 if not np.isfinite(values).all():
                     raise IntervalError("samples", "not finite", "finite responses in every run")
-                bounds = RunBounds.from_runs(values, np.arange(start, stop)).merge(bounds)
+                runs = RunBounds.from_runs(values, np.arange(start, stop))
+                bounds = bounds.merge(runs) if bounds else runs
             yield bounds
 
     def coordinates(self) -> dict:
-        """Coordinates of the samples dataset by name, with the selected responses only, for a new
-        dataset: time, names, units and words of responses and parameters, as present."""
+        """Coordinates of the samples dataset by name, for a new dataset: time, names, units and
+        words of responses and parameters, as present."""
         bases, prefixes = ("time", "response", "parameter"), ("response_", "box_")
         names = [n for n in self.source.variables if n in bases or str(n).startswith(prefixes)]
-        variables = {n: self.source[n].variable for n in names}
-        return {n: v.isel(response=self.rows, missing_dims="ignore") for n, v in variables.items()}
+        return {n: self.source[n].variable for n in names}
 
     def parameters(self) -> Callable[[np.ndarray], np.ndarray]:
         """Function that maps normalized coordinates (..., k) in [-1, 1] to parameter values (...,
@@ -192,37 +174,22 @@ def add_runs(
     return rest.merge(runs).assign_attrs(samples.attrs)
 
 
-def read_samples(samples: xr.Dataset, responses: Sequence[str] | None = None) -> Samples:
-    """Check a samples dataset and return it as `Samples`, whose values are read at first use;
-    responses: names of those wanted, None: all. IntervalError for what is missing or unknown.
+def read_samples(samples: xr.Dataset) -> Samples:
+    """Check a samples dataset and return it as `Samples`, whose values are read at first use.
+    IntervalError for what is missing.
 
     Variables ``values`` (run, response, time), ``normalized`` (-1 to 1) and ``value`` (run,
-    parameter), perhaps ``role`` (run); coordinates ``time`` (s) and ``response``. A scan may have,
-    in the place of ``values`` and ``role``, the least and largest value within each quarter of its
-    runs, ``lower`` and ``upper`` (quarter, response, time), and which runs have them, ``lower_run``
-    and ``upper_run`` (-1: no runs); perhaps ``nominal`` (response, time), the responses at nominal
-    parameters, at which its first run then is; perhaps ``failed_normalized`` (failed, parameter),
-    points of the design whose runs failed."""
-    arrays = ("values",) if "lower_run" not in samples else _BOUND_NAMES
-    for name in ("time", "response", *arrays, "normalized", "value"):
+    parameter), perhaps ``role`` (run); coordinates ``time`` (s) and ``response``; perhaps
+    ``failed_normalized`` (failed, parameter), points of the design whose runs failed."""
+    for name in ("time", "response", "values", "normalized", "value"):
         if name not in samples:
             raise IntervalError("samples", list(samples.variables), f"a dataset with {name}")
-    responses_all = [str(name) for name in samples["response"].values]
-    names = responses_all if responses is None else [str(n) for n in responses]
-    for name in names:
-        if name not in responses_all:
-            raise IntervalError("response", name, "one of " + ", ".join(responses_all))
-    if not names:
-        raise IntervalError("responses", names, "at least one")
     nominal = None
     if "role" in samples:
         nominal_runs = np.flatnonzero(samples["role"].values.astype(str) == "nominal")
         nominal = int(nominal_runs[0]) if len(nominal_runs) else None
-    elif "nominal" in samples:
-        nominal = 0
     return Samples(
-        names,
-        [responses_all.index(name) for name in names],
+        [str(name) for name in samples["response"].values],
         np.asarray(samples["time"].values, dtype=float),
         np.asarray(samples["normalized"].values, dtype=float),
         nominal,

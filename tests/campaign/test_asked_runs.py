@@ -57,8 +57,8 @@ def test_what_was_not_recorded_is_simulated_again_once_and_keeps_the_rest(raw, t
 
     _, told = run(raw, tmp_path, **SPIN)
     assert "lack angular velocity of B x, B y, B z; they" in told
-    config, told = run(raw, tmp_path, **STRESS, **SPIN)  # both are there now
-    assert "simulated again" not in told
+    config, told = run(raw, tmp_path, **STRESS, **SPIN)  # the last had not recorded the stress
+    assert "lack stress of all; they are simulated again" in told
     assert sorted(folder.runs("trajectories").glob("*.nc")) == files
     after = curves_in(folder.runs("trajectories"))
     for name, before in plain.items():

@@ -102,13 +102,13 @@ def test_a_run_that_fails_does_not_harm_the_others(raw, tmp_path, keep):
 def test_lots_come_in_order_and_one_group_is_made_while_another_is_taken(monkeypatch):
     begun = []
 
-    def made(plan, part, also):
+    def made(plan, part):
         begun.append(part[0] // 8)
         return list(part), [], np.zeros(2)
 
     monkeypatch.setattr(batches, "simulate", made)
-    lots = [(list(range(8 * k, 8 * k + 8)), ()) for k in range(5)]
-    lots.insert(2, ([], ()))
+    lots = [list(range(8 * k, 8 * k + 8)) for k in range(5)]
+    lots.insert(2, [])
     taken = []
     for lot in Simulation(None, 8, 2).run_lots(lots):
         found = list(lot)
@@ -116,7 +116,7 @@ def test_lots_come_in_order_and_one_group_is_made_while_another_is_taken(monkeyp
         taken.append(found)
         if found:
             assert max(begun) <= found[0] // 8 + 1
-    assert taken == [runs for runs, _ in lots]
+    assert taken == lots
 
 
 def test_structures_are_built_by_one_thread_at_a_time(config, monkeypatch):
@@ -133,7 +133,7 @@ def test_structures_are_built_by_one_thread_at_a_time(config, monkeypatch):
 
     monkeypatch.setattr(type(plan.experiment.scene_type), "build", build)
     runs = plan.unique_runs
-    found = Simulation(plan, 2, 2).run_lots([(runs, ())])
+    found = Simulation(plan, 2, 2).run_lots([runs])
     assert sum(len(list(lot)) for lot in found) == len(runs) >= 4
     assert inside["most"] == 1
 

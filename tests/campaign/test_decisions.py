@@ -20,7 +20,7 @@ from deployable.campaign.cli import main
 from deployable.campaign.cli.commands import UNMET
 from deployable.campaign.config.sections import Choose
 from deployable.campaign.folder import Folder
-from deployable.campaign.plan.plan import Plan, Runs
+from deployable.campaign.plan.plan import Plan
 from deployable.campaign.text.numbers import VOLUME
 from deployable.intervals.scalars import Choice, Limit
 
@@ -270,7 +270,7 @@ def test_a_choice_is_judged_by_runs_about_it_not_by_an_error_from_elsewhere(
                 requirements={"low": {"wide": {"at_most": level}}})  # fmt: skip
     wanted, found = campaign.check_config(raw), {}
     time = choice_answer.choose_step(wanted.experiment)
-    plan = Plan(wanted.experiment, "", time, Runs.from_runs([]))
+    plan = Plan(wanted.experiment, "", time, ())
 
     def evaluate(model, plan, points):
         box = model.experiment.box

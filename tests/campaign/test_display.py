@@ -96,7 +96,7 @@ def test_people_read_the_same_number_everywhere_and_files_stay_in_si_units(
     assert marks == pytest.approx([1000 * x for x in before["choice"]["tried"][0]["values"]])
 
     bounds = shown_bounds(read_bounds(folder), MM)
-    (ax, *_) = envelope(bounds.responses[:1], 0.1).axes
+    (ax, *_) = envelope(bounds.responses[:1]).axes
     assert ax.get_ylabel().endswith("(mm)") and "mm" in str(ax.get_legend_handles_labels()[1])
     runs, results = FittedRuns.read(folder), QuantityResults.read(folder)
     experiment = read(data.config)

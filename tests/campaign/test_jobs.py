@@ -12,6 +12,7 @@ import pytest
 
 from deployable.campaign.config.check import check_config
 from deployable.campaign.errors import CampaignError
+from deployable.campaign.plan import jobs
 from deployable.campaign.plan.jobs import (
     CORES,
     batch_count,
@@ -32,8 +33,8 @@ RAW = {
 }
 
 
-def sized(**jobs):
-    return check_config({**RAW, "jobs": jobs})
+def sized(**asked):
+    return check_config({**RAW, "jobs": asked})
 
 
 def test_without_minutes_a_job_has_the_runs_that_the_config_says():
@@ -48,19 +49,21 @@ def test_a_job_elsewhere_finds_as_many_batches(monkeypatch):
 
 def test_a_job_of_minutes_has_whole_groups_that_take_so_long(monkeypatch):
     monkeypatch.setattr("fpm.scenes.timestep.machine", lambda: 1.0)
-    asked = {"minutes": 30, "run_seconds": 2, "group": 8}
+    # The estimate: 1000 steps of 8 elements and 4 hinges, 0.5 ms, and 1.3 ms to pack a run.
+    assert runs_in_job(sized(minutes=0.1, group=1)) == pytest.approx(6 / 1.8e-3, rel=0.1)
+    monkeypatch.setattr(jobs, "seconds_of_run", lambda campaign: 2.0)
+    asked = {"minutes": 30, "group": 8}
     assert runs_in_job(sized(**asked)) == 896  # 30 * 60 / 2 = 900, in groups of 8
     assert runs_in_job(sized(**asked, processes=4)) == 3600
     assert batch_count(sized(**asked), 1792) == 2
     assert batch_count(sized(**asked), 1793) == 3
     # Not less than a group for each process.
-    assert runs_in_job(sized(minutes=0.001, run_seconds=9, group=8, processes=3)) == 24
-    # The estimate: 1000 steps of 8 elements and 4 hinges, 0.5 ms, and 1.3 ms to pack a run.
-    assert runs_in_job(sized(minutes=0.1, group=1)) == pytest.approx(6 / 1.8e-3, rel=0.1)
+    assert runs_in_job(sized(minutes=0.001, group=8, processes=3)) == 24
 
 
-def test_a_job_asks_for_more_the_more_it_has():
-    one, four = sized(run_seconds=6), sized(run_seconds=6, processes=4)
+def test_a_job_asks_for_more_the_more_it_has(monkeypatch):
+    monkeypatch.setattr(jobs, "seconds_of_run", lambda campaign, time=None: 6.0)
+    one, four = sized(), sized(processes=4)
     assert job_minutes(one, 1000) == 5 + 200
     assert job_minutes(four, 1000) == 5 + 50
     assert job_megabytes(four) > job_megabytes(one) > 500

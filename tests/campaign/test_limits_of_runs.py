@@ -53,9 +53,9 @@ def draw(seed: int) -> dict:
 def test_no_campaign_makes_more_runs_than_its_limit(seed, tmp_path, monkeypatch):
     made, simulate = set(), batch.simulate
 
-    def count(plan, runs, columns=()):
+    def count(plan, runs):
         made.update(run.id for run in runs)
-        return simulate(plan, runs, columns)
+        return simulate(plan, runs)
 
     monkeypatch.setattr(batch, "simulate", count)
     raw = draw(seed)

@@ -83,7 +83,7 @@ def test_another_version_of_the_mechanics_gives_other_names(config, plan, monkey
 
 
 def test_what_changes_no_trajectory_keeps_its_name(raw, plan):
-    raw |= {"campaign": "other", "jobs": {"group": 1}, "error": {"shade_above": 0.5}}
+    raw |= {"campaign": "other", "jobs": {"group": 1}}
     raw["responses"] = {"psi": {"opening": "A"}}  # a response is a function of the trajectory
     assert names(plan_of(raw)) == names(plan)
 

@@ -16,7 +16,6 @@ from numpy.polynomial import chebyshev
 
 from deployable import campaign
 from deployable.campaign.config import sections
-from deployable.campaign.config.models import ErrorDisplay, FigureChoice
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.folder import Folder
 from deployable.campaign.report import make_motions
@@ -89,8 +88,8 @@ def test_figures_are_drawn_in_two_forms_and_are_the_same_again(finished, tmp_pat
     found = []
     for place in ("first", "second"):
         folder = beside(finished, tmp_path / place)
-        draw.work(folder, silent, ErrorDisplay())
-        page.work(folder, silent, FigureChoice(5), frames=11)
+        draw.work(folder, silent)
+        page.work(folder, silent, frames=11)
         found.append({path.name: unseal(path) for path in folder.figures.rglob("*.*")})
     first, second = found
     kinds = {"png": b"\x89PNG", "pdf": b"%PDF"}
@@ -106,10 +105,10 @@ def test_any_structure_is_drawn_from_its_motion(finished, tmp_path, monkeypatch)
     folder = beside(finished, tmp_path / "test")
     save = partial(figures.save, kinds=("svg",))  # in which panels can be counted
     monkeypatch.setattr(page, "save", save)
-    page.work(folder, silent, FigureChoice(3), frames=11)
+    page.work(folder, silent, frames=11)
     drawn = ElementTree.fromstring((folder.overviews / "moments.svg").read_text())
     panels = [each for each in drawn.iter() if each.get("id", "").startswith("axes_")]
-    assert len(panels) == 3
+    assert len(panels) == 5
 
 
 def test_runs_of_a_structure_that_has_changed_since_do_not_move(finished, tmp_path, monkeypatch):

@@ -26,7 +26,7 @@ ASKED = {
     "held_out": 1,
     "quantities": {"top": {"largest": "BD"}},
     "requirements": {"short": {"top": {"at_most": 10.0}}},
-    "choose": {"parameters": {"E": [1e10, 1.01e10]}, "minimise": "upper(top)", "order": 1},
+    "choose": {"parameters": {"E": [1e10, 1.01e10]}, "minimise": "upper(top)"},
     "verify": {"max_iterations": 0},
 }
 
@@ -103,9 +103,7 @@ def test_every_result_is_of_one_stage(whole, monkeypatch):
         ("bounds", {"model": "spline"}, "design_bounds.nc"),
         ("verify", {"max_iterations": 1}, "quantities.nc"),
         ("requirements", {"short": {"top": {"at_most": 9.0}}}, "requirements.json"),
-        ("choose", {**ASKED["choose"], "order": 2}, "choice.json"),
-        ("error", {"shade_above": 0.2}, "figures/BD.png"),
-        ("figures", {"moments": 3}, "figures/campaign/moments.pdf"),
+        ("choose", {**ASKED["choose"], "minimise": "lower(top)"}, "choice.json"),
         ("published", {"BD": 0.06}, "summary.json"),
     ],
 )
@@ -131,13 +129,13 @@ def test_no_stage_takes_the_results_of_another_config(tmp_path, monkeypatch):
         "d": {"solver": {**RAW["solver"], "duration": 0.02}},
         "e": {"solver": {**RAW["solver"], "safety": 0.4}},
     }
-    same = {"a": {}, "c": {"figures": {"moments": 3}}}
+    same = {"a": {}, "c": {"published": {"BD": 0.1}}}
     for name, more in {**others, **same}.items():
         Path(f"{name}.yaml").write_text(yaml.safe_dump({**raw, **more}))
     first = Workflow.from_files(["a.yaml"])
     write_plan(make_plan(first.campaign.experiment), first.folder.plan)
     for name in same:
-        assert STAGES["page"].sections_in(f"{name}.yaml", first.folder)
+        assert STAGES["answers"].sections_in(f"{name}.yaml", first.folder)
 
     def refuse(stage, name, cause="the results in {} belong to another config than {}"):
         cause = cause.format(first.folder.path, file := f"{name}.yaml")

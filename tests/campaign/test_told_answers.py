@@ -280,7 +280,7 @@ def test_late_and_stuck_runs_are_counted_by_whether_they_would_arrive():
         experiment=SimpleNamespace(response_list=[response], intervals=["v"]),
         table=SimpleNamespace(numbers=np.where(speeds < 1, np.nan, 0.5)[:, None],
                               values=speeds[:, None]),
-        keeps_extremes=False, curves=lambda run, responses: speeds[run] * time[None],
+        curves=lambda run, responses: speeds[run] * time[None],
     )  # fmt: skip
     quantity = SimpleNamespace(kind="crossing", event="crosses", response=response, level=1.0)
     counts = {"late": 3, "stuck": 2, "at": {"v": 0.4}}

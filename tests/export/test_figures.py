@@ -47,7 +47,7 @@ def test_pdfs_are_as_wide_as_columns_with_truetype_fonts_in_them(drawn, name, mi
 
 def test_no_words_stand_among_the_curves(results):
     (bounds,) = (row for row in read_bounds(Folder(results)).responses if row.name == "x")
-    figure = envelope([bounds], 0.1)
+    figure = envelope([bounds])
     ax, _ = figure.axes
     assert not any(text.get_text() for text in ax.texts)
     figure.draw_without_rendering()
@@ -115,8 +115,8 @@ def drawn_lines(ax):
 
 def test_bounds_are_drawn_at_all_instants_and_faint_where_they_are_not_to_be_relied_on():
     bounds = bounds_of(np.full((4, 21), 4.0), np.array(list(ERRORS.values())))
-    singles = [envelope([one], 0.1) for one in bounds]
-    panels = envelope(bounds, 0.1)
+    singles = [envelope([one]) for one in bounds]
+    panels = envelope(bounds)
     for ax, figure, error in zip(panels.axes, singles, ERRORS.values(), strict=True):
         for axis in (ax, *figure.axes):
             strong, faint = drawn_lines(axis)
@@ -130,7 +130,7 @@ def test_bounds_are_drawn_at_all_instants_and_faint_where_they_are_not_to_be_rel
 @pytest.mark.parametrize(("count", "width"), [(1, 3.54), (2, 6.4), (2, 3.54), (4, 6.4)])
 def test_several_responses_have_panels_with_letters_and_no_word_is_cut(count, width):
     bounds = bounds_of(np.full((count, 21), 4.0), np.tile(ERRORS["middle"], (count, 1)))
-    figure = envelope(bounds, 0.1, width)
+    figure = envelope(bounds, width)
     panels = [ax for ax in figure.axes if ax.axison]
     letters = [f"({letter})" for letter in "abcd"[:count]] if count > 1 else ["", ""]
     assert [ax.get_title("left") for ax in panels] == letters
@@ -145,7 +145,7 @@ def test_several_responses_have_panels_with_letters_and_no_word_is_cut(count, wi
 @pytest.mark.parametrize("share", [0.02, 0.1, 0.2, 0.24])
 def test_no_band_is_cut_or_beyond_what_is_possible(share):
     width = np.linspace(0.1, 6.0, 21)
-    figure = envelope(bounds_of(width, np.full(21, share * 6.0)), 0.1)
+    figure = envelope(bounds_of(width, np.full(21, share * 6.0)))
     ax, below = figure.axes
     np.testing.assert_allclose(below.lines[0].get_ydata(), width)
     for axis in figure.axes:
@@ -159,7 +159,7 @@ def test_no_band_is_cut_or_beyond_what_is_possible(share):
 def test_a_hatch_means_one_thing_in_all_axes():
     bounds = bounds_of(np.full((4, 21), 4.0), np.array(list(ERRORS.values())))
     choices = *([one] for one in bounds), bounds
-    axes = [ax for rows in choices for ax in envelope(rows, 0.1).axes]
+    axes = [ax for rows in choices for ax in envelope(rows).axes]
     hatched = [patch for ax in axes for patch in ax.patches if patch.get_hatch()]
     meanings = {(patch.get_hatch(), patch.get_label()) for patch in hatched}
     assert meanings == {("///", "error above 10 % of\nthe largest difference")}

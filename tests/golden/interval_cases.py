@@ -62,13 +62,13 @@ def polynomials() -> Iterator:
     """Bounds of polynomials, with and without held-out runs; what parameters contribute."""
     for box, method, order in DESIGNS:
         design = make_design(method, BOXES[box], order)
-        for held_out, options in ((5, {}), (0, {"window": 0.1}), (17, {"tolerance": 0.05})):
+        for held_out, options in ((5, {}), (0, {}), (17, {"tolerance": 0.05})):
             runs = samples(box, design, held_out)
             yield bounds_dataset(runs, design, **options)
-            yield intervals.sensitivity_dataset(runs, design, ["kink", "smooth"])
+            yield intervals.sensitivity_dataset(runs, design)
         yield intervals.surrogate_dataset(runs, design)
     scan = make_design("sobol", BOXES["2"], 4, samples=40, seed=3)
-    yield bounds_dataset(samples("2", scan), scan, ["still", "smooth"])
+    yield bounds_dataset(samples("2", scan), scan)
     yield scan
 
 
@@ -82,7 +82,7 @@ def scans() -> Iterator:
         RunBounds.from_runs(values[part], np.arange(30)[part])
         for part in (slice(12), slice(12, 30))
     )
-    yield from (one.merge(other), other.merge(one), other.merge(None), quarter_ends(30))
+    yield from (one.merge(other), other.merge(None), quarter_ends(30))
 
 
 def splines() -> Iterator:
@@ -91,7 +91,7 @@ def splines() -> Iterator:
         design = make_design("sobol", BOXES[box], samples=count, seed=5)
         runs = samples(box, design)
         yield bounds_dataset(runs, design, model="spline")
-        yield bounds_dataset(runs, None, ["smooth"], model="spline", window=0.2)
+        yield bounds_dataset(runs, None, model="spline")
         sought = Design(design.points, design.multi_indices, "adaptive")
         bounds = bounds_dataset(runs, sought, model="spline")
         yield bounds
@@ -118,7 +118,6 @@ def ranges() -> Iterator:
         yield intervals.find_surrogate_range(surrogate)
         yield intervals.find_surrogate_range(surrogate, 0.2)
         yield effects_enclosure(c, indices)
-        yield intervals.measure_sensitivity(surrogate, np.full(len(order), 0.2))
         yield surrogate.evaluate(RNG.uniform(-1, 1, (7, len(order))))
 
 
@@ -194,7 +193,7 @@ def estimates() -> Iterator:
     design = make_design("tensor_roots", BOXES["2"], 3)
     bounds = bounds_dataset(samples("2", design), design)
     parts = {"mesh": 0.01 * RNG.normal(size=bounds["error"].shape)}
-    yield intervals.add_errors(bounds, parts), intervals.add_errors(bounds, parts, 0.3)
+    yield intervals.add_errors(bounds, parts)
     for box in BOXES.values():
         yield box.from_unit(intervals.held_out_points(box.free, 9, box.corners()[:1]))
 

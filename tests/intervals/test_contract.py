@@ -45,9 +45,9 @@ class Nearest(Model):
         where = points[values.argmin(axis=0)], points[values.argmax(axis=0)]
         return to_range(values.min(axis=0), values.max(axis=0), *where)
 
-    def error(self, found, window):
+    def error(self, found):
         error = self.share * (found.upper - found.lower)
-        return estimate_error(self.samples.time, error, np.zeros_like(error), window)
+        return estimate_error(self.samples.time, error, np.zeros_like(error))
 
 
 def plane(v):

@@ -117,10 +117,7 @@ def test_the_same_campaign_in_one_call_gives_the_same_files(small, tmp_path):
 @pytest.mark.parametrize(
     ("override", "rules"),
     [
-        (
-            ["error={shade_above: 0.2}", "figures={moments: 4}", "published={BD: 0.1}"],
-            {"answers", "figures", "page"},
-        ),
+        (["published={BD: 0.1}"], {"answers", "figures", "page"}),
         (["bounds={model: spline}"], OF_BOUNDS),
         (["jobs={runs_per_job: 4}"], None),
     ],
@@ -186,8 +183,6 @@ def test_results_from_elsewhere_are_not_taken_for_what_is_asked(small, workplace
     finer = ["--config", "scene={name: bennett, parameters: {elements: 3}}"]
     asked = workplace.snakemake(*SMALL, "--dry-run", *finer)
     assert planned(asked.stdout) == ALL_RULES
-    shaded = workplace.snakemake(*SMALL, "--dry-run", "--config", "error={shade_above: 0.2}")
-    assert planned(shaded.stdout) == {"figures"}
 
 
 def test_a_campaign_that_was_stopped_goes_on(workplace):

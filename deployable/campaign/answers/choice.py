@@ -22,7 +22,7 @@ from deployable.campaign.config.sections import (
     widen_intervals,
 )
 from deployable.campaign.files import write_result
-from deployable.campaign.plan.plan import Plan, Runs, choose_step
+from deployable.campaign.plan.plan import Plan, choose_step
 from deployable.campaign.results.quantity_results import FittedRuns, QuantityResults, number
 from deployable.campaign.results.run_samples import describe_failures
 from deployable.campaign.text import words_of
@@ -43,7 +43,7 @@ def answer(
     requirements, verify: sections of the config."""
     base_plan, folder = evaluator.plan, evaluator.folder
     experiment = widen_intervals(base_plan.experiment, choose)
-    plan = Plan(experiment, base_plan.mechanics, choose_step(experiment), Runs.from_runs([]))
+    plan = Plan(experiment, base_plan.mechanics, choose_step(experiment), base_plan.runs[:0])
     model = evaluator.for_plan(plan)
     if base_plan.experiment.is_adaptive:
         results = QuantityResults.read(folder)

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from deployable.campaign.config.sections import Experiment, Jobs
+from deployable.campaign.files import ROLES
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import (
     FailedRun,
@@ -21,17 +22,12 @@ from deployable.campaign.plan.plan import (
     RunAccount,
     Runs,
     read_plan,
-    run_id,
 )
 from deployable.campaign.results.quantity_results import MAX_FIT_RUNS, FittedRuns, number
 from deployable.campaign.results.run_samples import open_samples
-from deployable.campaign.runs.batch import (
-    Simulation,
-    check_structure,
-    notify_reruns,
-)
-from deployable.campaign.runs.progress import Notify, warm_up
-from deployable.campaign.runs.results import RunRecord, pad_events
+from deployable.campaign.runs.batch import Simulation, complete_group
+from deployable.campaign.runs.progress import Notify
+from deployable.campaign.runs.results import RunRecord, groups_of, pad_events
 from deployable.campaign.runs.store import open_store
 
 # In unit coordinates: points nearer than this have one run, or need none of their own.
@@ -91,9 +87,7 @@ class ModelEvaluator:
     ) -> None:  # fmt: skip
         self.plan, self.folder, self.jobs = plan, folder, jobs
         self.notify, self.threads, self.further_runs = notify, threads, further_runs
-        # Single runs must keep whole responses, not only their extremes.
-        self.keep = "responses" if jobs.keep == "extremes" else jobs.keep
-        self.store = folder.runs(self.keep)
+        self.store = folder.runs(jobs.keep)
         self.points = np.zeros((0, len(plan.experiment.intervals)))
         self.numbers = np.zeros((0, len(plan.experiment.quantities)))
         self.margins = self.numbers
@@ -255,33 +249,26 @@ class ModelEvaluator:
         rows = np.flatnonzero(self.account.count_runs([run.id for run in runs]))
         numbers, margins = np.full((2, len(runs), len(self.experiment.quantities)), np.nan)
         if len(rows):
-            records = self.records(plan, [runs[row] for row in rows])
+            records = self.records(plan, runs[rows])
             for row, record in zip(rows, records, strict=True):
                 if record is not None:
                     numbers[row], margins[row] = record.numbers, record.margins
         return numbers, margins
 
-    def records(self, plan: Plan, runs: Sequence[PlannedRun]) -> list[RunRecord | None]:
+    def records(self, plan: Plan, runs: Runs) -> list[RunRecord | None]:
         """The `RunRecord` of each of a plan's runs, simulated unless stored, whatever the `account`
         allows; None of one that fails."""
         self.account.count_runs([run.id for run in runs])
-        store = open_store(self.keep, self.store, plan.experiment)
+        store = open_store(self.jobs.keep, self.store, plan.experiment)
         records: dict = {}
         simulation = Simulation(plan, self.jobs.group, self.threads)
-        for group in store.groups(Runs.from_runs(runs).unique(), self.jobs.group):
-            missing = store.missing(group)
-            notify_reruns(store, self.notify)
-            if len(missing):
-                check_structure(plan)
-                scene = plan.experiment.build(plan.name_values(missing[0]))
-                warm_up(scene, self.notify, plan.experiment.record)
-                store.write(group, simulation.results(missing, store.previous_columns(missing)))
-            store.note_failures(simulation.failures)
+        for group in groups_of(runs.unique(), self.jobs.group):
+            complete_group(plan, store, group, simulation, self.notify)
             records |= store.read(group)
         if plan is self.plan:
             self.finest_step = min([self.finest_step, *(r.step for r in records.values())])
         self.simulated += simulation.count
-        failures = store.list_failures(Runs.from_runs(runs))
+        failures = store.list_failures(runs)
         if plan is self.plan:
             known_ids = {f.run.id for f in (*self.planned_failures, *self.failures)}
             self.failures = [*self.failures, *(f for f in failures if f.run.id not in known_ids)]
@@ -292,13 +279,10 @@ class ModelEvaluator:
         return [records.get(run.id) for run in runs]
 
 
-def runs_at(plan: Plan, points: Sequence[np.ndarray] | np.ndarray) -> list[PlannedRun]:
-    """Make planned runs beyond the design (role "further") at normalized points (P, k), -1 to 1 in
+def runs_at(plan: Plan, points: Sequence[np.ndarray] | np.ndarray) -> Runs:
+    """Make runs beyond the design (role "further") at normalized points (P, k), -1 to 1 in
     the box, with mesh and step of a plan; nothing is simulated."""
-    experiment, runs = plan.experiment, []
-    for point in points:
-        values = tuple(map(float, experiment.box.from_unit(point)))
-        intervals = dict(zip(experiment.intervals, values, strict=True))
-        name = run_id(experiment, experiment.parameters(intervals), plan.time.step, plan.mechanics)
-        runs.append(PlannedRun(name, "further", tuple(map(float, point)), values))
-    return runs
+    places = np.reshape(points, (-1, plan.experiment.box.dimension)).astype(float)
+    role = np.full(len(places), ROLES.index("further"), np.int8)
+    names = plan.time.step, plan.mechanics
+    return Runs.from_points(plan.experiment, role, places, *names)

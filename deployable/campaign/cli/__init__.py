@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from deployable.campaign.errors import CampaignError
-from deployable.campaign.files import wrap_error
 from deployable.campaign.folder import Folder
 from deployable.campaign.provenance import program
 from deployable.campaign.runs.progress import LOGGER, MessagePrinter
@@ -156,11 +155,8 @@ def _run_stage(options: argparse.Namespace) -> int:
         options.stage.run(Folder(options.folder), notify, **sections, **values)
     except (CampaignError, SceneError) as error:
         notify(f"error: {error}")
-    except Exception as error:  # a fault of the program, which the log should have
-        trace = traceback.format_exc()
-        if (message := wrap_error(error)) is not None and log:
-            log.write(trace)
-        notify(f"error: {message}" if message else trace)
+    except Exception:  # a fault of the program, which the log should have
+        notify(f"error: {traceback.format_exc()}")
     else:
         return 0
     return 1

@@ -24,7 +24,7 @@ from deployable.campaign.config.units import number_in
 from deployable.campaign.errors import CampaignError, ConfigError, error_of_files
 from deployable.campaign.export import COLOURS, FORMATS, choose
 from deployable.campaign.export import export as write_export
-from deployable.campaign.files import read_json, wrap_error, write_text
+from deployable.campaign.files import read_json, write_text
 from deployable.campaign.folder import CAMPAIGN
 from deployable.campaign.pictures.drawing import SUFFIXES, write_structure
 from deployable.campaign.results.templates import doubt_texts, summary_text
@@ -254,11 +254,7 @@ def _export(options: argparse.Namespace) -> int:
         if selection.folder and not options.output:
             place = selection.folder / "exports"
         paths = write_export(selection, options.to, place, options.frames, options.colour)
-    except (CampaignError, fpm.SceneError):
-        raise
-    except Exception as error:  # a damaged result, a full disk
-        if (problem := error_of_files(error, place) or wrap_error(error)) is None:
-            raise
-        raise problem from error
+    except (MemoryError, OSError, RuntimeError) as error:  # a damaged result, a full disk
+        raise error_of_files(error, place) or error from None
     print("\n".join(map(str, paths)))
     return 0

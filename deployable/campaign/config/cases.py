@@ -3,12 +3,11 @@
 import copy
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import replace
 from typing import Any
 
 from deployable.campaign.config.read import show
 from deployable.campaign.config.resolve import unknown
-from deployable.campaign.config.sections import Campaign, Experiment, Interval
+from deployable.campaign.config.sections import Campaign
 
 
 def folder_name(case: str) -> str:
@@ -101,36 +100,6 @@ def case_problem(name: str, problem: str) -> str:
         user_key = key.replace("scene.parameters.", "scene.", 1).replace("scene.file", "file", 1)
         return f"cases.{name}.{user_key}:{text}"
     return f"cases.{name}: {problem}"
-
-
-def twin_problems(campaign: Campaign, changes: Mapping[str, Any]) -> list[str]:
-    """Check that cases differ: returns a sentence for each that has keys but changes nothing, or
-    that is the same as another. campaign: with its cases; changes: keys of each case, by name."""
-    problems: list = []
-    first: dict = {}
-    for name in sorted(campaign.case_campaigns):
-        physics = _physics(campaign.case_campaigns[name].experiment)
-        twin = next((label for label, peer in first.items() if peer == physics), None)
-        if twin is not None:
-            text = f"it is the same as cases.{twin}; allowed: one of them, or other values"
-            problems.append(f"cases.{name}: {text}")
-        elif any(changes[name].values()) and physics == _physics(campaign.experiment):
-            text = "changes nothing; allowed: another value, or {} for the campaign as it stands"
-            problems.append(f"cases.{name}: {show(changes[name])} {text}")
-        first[name] = physics
-    return problems
-
-
-def _physics(experiment: Experiment) -> Experiment:
-    """Return the simulated physics of an experiment, independent of names and notation, up to
-    rounding."""
-    free = dict.fromkeys(experiment.intervals)
-    scene = replace(experiment.scene, parameters={**experiment.parameters({}), **free})
-    intervals = {
-        name: Interval(*(float(f"{end:.12g}") for end in vars(interval).values()))
-        for name, interval in experiment.intervals.items()
-    }
-    return replace(experiment, name="", scene=scene, intervals=intervals)
 
 
 def variants(campaign: Campaign) -> Iterator[tuple[str, Campaign]]:

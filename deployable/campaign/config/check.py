@@ -18,7 +18,6 @@ from deployable.campaign.config.cases import (
     case_problem,
     fixed_interval_problems,
     naming_problems,
-    twin_problems,
     without_cases,
 )
 from deployable.campaign.config.loader import read_file
@@ -157,7 +156,7 @@ def _resolve_cases(
             fixed = fixed or [case_problem(name, problem) for problem in error.problems]
         problems += fixed
     campaign = replace(campaign, cases=copy.deepcopy(dict(cases)), case_campaigns=campaigns)
-    if problems := problems or twin_problems(campaign, cases):
+    if problems:
         raise ConfigError(source, problems)
     return campaign
 

@@ -174,10 +174,7 @@ class DesignSection:
     `sobol` gets a surrogate of that total degree, otherwise none. `screening` has no order."""
     samples: Annotated[int, Rule(least=2, most=10_000_000)] = 1024
     """Number of runs of `sobol`, including the corners of the box; or the most runs of `screening`,
-    including those at the bounds of quantities. More than 100,000 need `jobs.keep: extremes`, or
-    enough room on the disk."""
-    seed: Annotated[int, Rule(least=0, most=2**32 - 1)] = 0
-    """Seed of the Sobol sequence of `sobol`."""
+    including those at the bounds of quantities. More than 100,000 need enough room on the disk."""
     file: Annotated[str, Rule("the path of a CSV file", pattern=r"[^\0]*")] = ABSENT
     """A CSV file with runs of your own, instead of a method: a row for each run, and a column for
     each parameter that is not at its nominal value, in its unit or a stated one (`k [N mm/rad]`).
@@ -201,15 +198,6 @@ class BoundsChoice:
     time so that latches, stops and contacts of all runs coincide, and uses splines. `sobol` without
     order has no polynomial: with `auto` and `polynomial` its bounds are its extreme samples.
     Sensitivities and `surrogate.nc` always use the polynomial."""
-
-
-@dataclass(frozen=True)
-class ErrorDisplay:
-    """How the error of the bounds is shown."""
-
-    shade_above: Annotated[float, Rule(above=0, unit="1")] = 0.1
-    """Figures shade the instants at which the error estimate exceeds this share of the largest
-    width of the bounds."""
 
 
 @dataclass(frozen=True)
@@ -287,9 +275,6 @@ class ChooseSection:
     With a second goal, the trade-off of the two is drawn; the best choice is that of the first."""
     maximise: Goals = ()
     """The goal to maximise, in the same form."""
-    order: Annotated[int, Rule(least=1, most=64)] = 8
-    """Order of the sparse grid of runs along the chosen parameters; along the others the design's
-    order is used."""
 
 
 @dataclass(frozen=True)
@@ -314,14 +299,6 @@ class CaseSection:
     ] = field(default_factory=dict)
     """Intervals that replace the campaign's for the same parameters or are added to them, in the
     same form."""
-
-
-@dataclass(frozen=True)
-class FigureChoice:
-    """What the figures show."""
-
-    moments: Annotated[int, Rule(least=2, most=12)] = 5
-    """Number of moments at which the structure is drawn, from its start to its first closure."""
 
 
 @dataclass(frozen=True)
@@ -354,20 +331,15 @@ class Jobs:
     group: Annotated[int, Rule(least=1)] = 64
     """Runs that are integrated together. They are written while the next ones are integrated, so
     this limits memory and the loss of a killed job."""
-    keep: Literal["trajectories", "responses", "extremes"] = "trajectories"
+    keep: Literal["trajectories", "responses"] = "trajectories"
     """`trajectories` writes all records of a group of runs into a netCDF file, from which other
     responses can be computed later without new runs. `responses` keeps only the responses, in
     single precision (6e-8 of a value), in far less disk space; another design, group size or
-    response needs new runs. `extremes`, for `sobol` without order, keeps the least and largest
-    value of each response at each instant with the place, and the parameters, quantities and events
-    of every run: a million runs take some 100 MB (docs/larger-campaigns.md)."""
+    response needs new runs."""
     minutes: Annotated[float, Rule(least=0, unit="min")] = 0.0
     """Duration of a job on its `processes`, instead of `runs_per_job`; clusters want jobs of 15
-    minutes or more. The number of runs is computed from `run_seconds`, or from an estimate that is
-    accurate to a factor of about two. 0: use `runs_per_job`."""
-    run_seconds: Annotated[float, Rule(least=0, unit="s")] = 0.0
-    """Measured seconds of one core for a run; the log of a job has them if there are `minutes`. 0:
-    estimated."""
+    minutes or more. The number of runs follows from an estimate that is accurate to a factor of
+    about two. 0: use `runs_per_job`."""
     processes: Annotated[int, Rule(least=1, most=1024)] = 1
     """Processes of a job, one for each of its cores; they share one compiled time loop. On a
     cluster use as many as a node has cores, so that a job fills it."""
@@ -523,7 +495,6 @@ class Config:
     review: Literal["ecss-e-st-33-01c"] = ABSENT
     """Standard of the review sheet in summary, page, `review.csv` and `review.md`, which has the
     verdict on each clause (docs/review-sheet.md)."""
-    error: ErrorDisplay = ErrorDisplay()
     verify: Verify = Verify()
     requirements: Annotated[
         dict[FreeName, Annotated[
@@ -550,7 +521,6 @@ class Config:
     ] = field(default_factory=dict)
     """Tests with measured curves, by names of your own. They narrow the box, or refute the
     model."""
-    figures: FigureChoice = FigureChoice()
     display: Display = Display()
     jobs: Jobs = Jobs()
     cases: Annotated[

@@ -111,14 +111,12 @@ def _design_texts(experiment: Any) -> Iterator[str]:
                     f"is {ends[0]:.4g} to {ends[1]:.4g}: bounds beyond the runs are extrapolated; "
                     "add runs at its ends"
                 )
-    methods_by_key = {"samples": ("sobol", "screening"), "seed": ("sobol",)}
-    for key, methods in methods_by_key.items():
-        value, default = getattr(design, key), getattr(type(design), key)
-        if value != default and not (experiment.is_adaptive or design.method in methods):
-            yield (
-                f"design.{key}: {value} is of {' and '.join(methods)} alone, {design.method} "
-                "has as many runs as its `order` takes: take that, or another `method`"
-            )
+    takes_samples = experiment.is_adaptive or design.method in ("sobol", "screening")
+    if design.samples != type(design).samples and not takes_samples:
+        yield (
+            f"design.samples: {design.samples} is of sobol and screening alone, {design.method} "
+            "has as many runs as its `order` takes: take that, or another `method`"
+        )
 
 
 def _time_texts(experiment: Any) -> Iterator[str]:

@@ -68,7 +68,7 @@ def campaign_of(
         accuracy=accuracy,
         display=config.display,
     )
-    rest = ("bounds", "published", "review", "error", "figures", "verify", "jobs")
+    rest = ("bounds", "published", "review", "verify", "jobs")
     return Campaign(
         experiment=experiment,
         requirements={
@@ -182,7 +182,7 @@ def _choose_of(config: Config) -> Choose:
     )
     specs = {name: config.intervals.get(name) for name in section.parameters}
     relative = tuple(name for name, spec in specs.items() if spec and spec.relative is not None)
-    return Choose(section.parameters, minimise, maximise, section.order, relative)
+    return Choose(section.parameters, minimise, maximise, relative)
 
 
 def intervals_of(

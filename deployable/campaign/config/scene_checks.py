@@ -195,7 +195,7 @@ def _design_problems(campaign: Campaign) -> list[str]:
     experiment, design = campaign.experiment, campaign.experiment.design
     is_plain = design.method == "sobol" and design.order is None
     has_none = is_plain and campaign.bounds.model in ("auto", "polynomial")
-    if (problems := _keep_problems(campaign)) or experiment.is_adaptive:
+    if (problems := _room_problems(campaign)) or experiment.is_adaptive:
         return problems
     try:
         choice = replace(design, samples=2) if has_none else design
@@ -341,23 +341,14 @@ def _choice_problem(name: str, choose: Choose, experiment: Experiment) -> str:
     return ""
 
 
-def _keep_problems(campaign: Campaign) -> list[str]:
-    """Check `jobs.keep` of a campaign: returns a list, with a sentence if it excludes the design or
-    the model of the bounds, or the disk lacks room; empty if all is right."""
-    design, bounds = campaign.experiment.design, campaign.bounds
-    if campaign.jobs.keep != "extremes":
-        if design.samples <= LARGE or design.method != "sobol":
-            return []
-        size, room = bytes_of_run(campaign), shutil.disk_usage(Path.cwd()).free
-        if design.samples <= (most := int(room / size)):
-            return []
-        text = f"{design.samples} runs with jobs.keep {campaign.jobs.keep} take about "
-        text += f"{size_text(design.samples * size)}, and the disk has {size_text(room)}"
-        return [f"design.samples: {text}; allowed: at most {most}, or jobs.keep extremes"]
-    cause, allowed = f"bounds model {bounds.model}", "responses or trajectories"
-    if campaign.experiment.is_adaptive or design.method != "sobol" or design.order is not None:
-        cause, allowed = "a surrogate", f"{allowed}, or design method sobol without order"
-    elif bounds.model in ("auto", "polynomial"):
+def _room_problems(campaign: Campaign) -> list[str]:
+    """Check that the disk has room for a large scan: returns a sentence, in a list, if not."""
+    design = campaign.experiment.design
+    if design.method != "sobol" or design.samples <= LARGE:
         return []
-    text = f"'extremes' is not allowed with {cause}, which needs every run"
-    return [f"jobs.keep: {text}; allowed: {allowed}"]
+    size, room = bytes_of_run(campaign), shutil.disk_usage(Path.cwd()).free
+    if design.samples <= (most := int(room / size)):
+        return []
+    text = f"{design.samples} runs with jobs.keep {campaign.jobs.keep} take about "
+    text += f"{size_text(design.samples * size)}, and the disk has {size_text(room)}"
+    return [f"design.samples: {text}; allowed: at most {most}"]

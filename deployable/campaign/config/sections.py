@@ -27,8 +27,6 @@ from deployable.campaign.config.models import (
     ChooseSection,
     DesignSection,
     Display,
-    ErrorDisplay,
-    FigureChoice,
     FreeName,
     Jobs,
     MeasuredTest,
@@ -38,7 +36,6 @@ from deployable.campaign.config.models import (
 )
 from deployable.campaign.config.own_runs import own_points
 from deployable.campaign.config.plausible import experiment_warnings
-from deployable.campaign.errors import HeldConfigError
 from deployable.campaign.provenance import program_digest
 from fpm import SceneError, structures
 from fpm.errors import did_you_mean
@@ -159,19 +156,13 @@ class Experiment:
 
     @classmethod
     def read(cls, config: str | Mapping) -> Experiment:
-        """Make the experiment from its nested dicts, or their JSON, in a result file. They may come
-        from anybody: names, after which files are called, are checked. Raises `HeldConfigError`."""
-        try:
-            experiment = from_data(cls, json.loads(config) if isinstance(config, str) else config)
-            is_named: Any = all(map(FREE_NAME.fullmatch, experiment.responses))
-            is_named = is_named and all(map(NAME.fullmatch, experiment.quantities))
-            is_named = is_named and CAMPAIGN_NAME.fullmatch(experiment.name)
-            is_named = is_named and all(map(str.isidentifier, experiment.intervals))
-            if not is_named or "\0" in experiment.scene.name + experiment.scene.file:
-                raise ValueError("a name is none of a campaign, response, quantity or parameter")
-        except (AttributeError, KeyError, TypeError, ValueError, RecursionError) as error:
-            text = f"the results hold a config that cannot be used: {error}"
-            raise HeldConfigError(text) from None
+        """Make the experiment from its nested dicts, or their JSON, in a result file. Raises
+        ValueError for a name after which no file may be called."""
+        experiment = from_data(cls, json.loads(config) if isinstance(config, str) else config)
+        is_named = all(map(FREE_NAME.fullmatch, experiment.responses))
+        is_named = is_named and all(map(NAME.fullmatch, experiment.quantities))
+        if not (is_named and CAMPAIGN_NAME.fullmatch(experiment.name)):
+            raise ValueError("a name in its config is none of a campaign, response or quantity")
         return experiment
 
     @property
@@ -287,11 +278,12 @@ class Experiment:
 class Choose(ChooseSection):
     """Parameters whose nominal values are to be chosen by the worst case. minimise, maximise:
     goals, texts such as `upper(t)`; relative: parameters whose intervals scale with the nominal
-    value; others keep their width."""
+    value; others keep their width; order: of the grid of runs along them."""
 
     minimise: tuple[str, ...] = ()
     maximise: tuple[str, ...] = ()
     relative: tuple[str, ...] = ()
+    order: int = 8
 
     @property
     def goals(self) -> list[tuple[float, str, str]]:
@@ -340,8 +332,6 @@ class Campaign:
     bounds: BoundsChoice
     published: dict[str, float]
     review: str | None
-    error: ErrorDisplay
-    figures: FigureChoice
     verify: Verify
     requirements: dict[str, dict]
     choose: Choose
@@ -370,7 +360,8 @@ def make_design(experiment: Experiment, choice: DesignChoice | None = None) -> A
         points = own_points(experiment) if choice.method == OWN_RUNS else points
         terms = np.zeros((0, box.dimension), dtype=int)
         return intervals.Design(points, terms, choice.method, (0,) * box.dimension)
-    options = {name: getattr(choice, name) for name in intervals.METHODS[choice.method].options}
+    has_samples = "samples" in intervals.METHODS[choice.method].options
+    options = {"samples": choice.samples} if has_samples else {}
     most = choice.samples if choice.method == "sobol" else intervals.designs.MAX_RUNS
     return intervals.make_design(choice.method, box, choice.order, max_runs=most, **options)
 
@@ -495,16 +486,12 @@ def digest(data: Any) -> str:
 LARGE = 100_000  # runs up to which nobody asks whether the disk has room for them
 
 _TRAJECTORY_CURVES = 10  # of a trajectory, beside those of responses and hinges: time, energies
-_EVENTS_BYTES = 40  # of a run's impacts, compressed: some ten
 
 
 def bytes_of_run(campaign: Campaign) -> float:
     """Estimate the bytes on disk of one run: in the store (by `jobs.keep`) and `samples.nc`."""
     experiment = campaign.experiment
     instants, responses = experiment.solver.instants, len(experiment.responses)
-    if campaign.jobs.keep == "extremes":
-        numbers = 2 * len(experiment.quantities) + 2 * len(experiment.intervals)
-        return 8.0 * numbers + 2 * _EVENTS_BYTES
     if campaign.jobs.keep == "responses":
         return 8.0 * instants * responses
     return 8.0 * instants * (count_curves(experiment) + responses)

@@ -101,8 +101,6 @@ COLUMN, PAGE = 90 / 25.4, 190 / 25.4
 
 DPI = 600
 
-SHADE_ABOVE = 0.1  # the config's default of `error.shade_above`, which results do not tell
-
 _STYLE: Any = {
     "font.size": 8, "axes.labelsize": 8, "xtick.labelsize": 7, "ytick.labelsize": 7,
     "axes.linewidth": 0.6, "xtick.major.width": 0.6, "ytick.major.width": 0.6,
@@ -132,8 +130,8 @@ def _figures(run: SelectedRun, frames: int) -> Iterator[tuple[str, Any]]:
         return
     bounds = shown_bounds(read_bounds(run.folder), run.display)
     for response in bounds.responses:
-        yield response.name, envelope([response], SHADE_ABOVE, width=COLUMN)
+        yield response.name, envelope([response], width=COLUMN)
     if 1 < len(bounds.responses) <= MOST_PANELS:
-        yield f"{run.name}-responses", envelope(bounds.responses, SHADE_ABOVE, width=COLUMN)
+        yield f"{run.name}-responses", envelope(bounds.responses, width=COLUMN)
     if bounds.responses[0].widths is not None and len(bounds.parameters) > 1:
         yield f"{run.name}-sensitivities", shares(bounds, PAGE)

@@ -8,8 +8,6 @@ import io
 import json
 import os
 import re
-import sys
-from collections import deque
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -20,7 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from deployable.campaign.config.sections import FREE_NAME, NAME
-from deployable.campaign.errors import CampaignError, HeldConfigError
+from deployable.campaign.errors import CampaignError
 from deployable.campaign.folder import Folder
 from deployable.campaign.provenance import stamp
 from fpm.files.seals import DamagedError, check, check_content, read_bytes, whole_file
@@ -47,8 +45,7 @@ def report_damage(path: str | os.PathLike) -> Iterator[None]:
         yield
     except Exception as error:
         is_other = isinstance(error, OSError) and (error.errno or 0) > 0  # it is not there, say
-        is_ours = isinstance(error, CampaignError) and not isinstance(error, HeldConfigError)
-        if is_other or is_ours or isinstance(error, DamagedError):
+        if is_other or isinstance(error, CampaignError | DamagedError):
             raise
         words = " ".join(str(error).split()) or type(error).__name__
         is_missing = isinstance(error, LookupError)
@@ -85,7 +82,6 @@ def open_netcdf(path: str | Path) -> Any:
     import netCDF4
 
     check(path, Path(path).name)
-    HISTORY.append(Path(path))
     with report_damage(path):
         file = netCDF4.Dataset(path)
         file.set_auto_mask(False)
@@ -96,28 +92,11 @@ def open_netcdf(path: str | Path) -> Any:
     return file
 
 
-HISTORY: deque[Path] = deque(maxlen=9)  # the results that this process has opened last
-
-
-def wrap_error(error: Exception) -> CampaignError | None:
-    """Turn an error that was not foreseen into a CampaignError for the user, which names the
-    results that this process opened last; None where it opened none, or with `python -X dev`."""
-    if not HISTORY or sys.flags.dev_mode:
-        return None
-    words, paths = " ".join(str(error).split())[:200], ", ".join(dict.fromkeys(map(str, HISTORY)))
-    return CampaignError(
-        f"what {paths} hold led to {type(error).__name__}: {words}; `python -m deployable run` "
-        "with the campaign makes results again; if that ends so too, the program is at fault: "
-        "`python -X dev -m deployable` shows where"
-    )
-
-
 def read_json(path: str | Path) -> dict:
     """Read the data of a result in JSON, checked and without its seal. Raises
     `fpm.files.seals.DamagedError` if the file is not as written."""
     content = read_bytes(path)
     check_content(path, content, Path(path).name)
-    HISTORY.append(Path(path))
     with report_damage(path):
         return {key: value for key, value in json.loads(content).items() if key != "seal"}
 

@@ -55,11 +55,9 @@ def job_megabytes(campaign: Campaign) -> int:
 
 
 def seconds_of_run(campaign: Campaign, time: TimeStep | None = None) -> float:
-    """Return the core seconds of one of eight runs side by side on this machine: the config's
-    `jobs.run_seconds`, or an estimate. time: step of the plan; None: it is chosen."""
+    """Estimate the core seconds of one of eight runs side by side on this machine. time: step of
+    the plan; None: it is chosen."""
     experiment = campaign.experiment
-    if seconds := campaign.jobs.run_seconds:
-        return seconds
     # Every call of Snakemake needs this, so the corners, with nearly the same step, are skipped.
     time = time or choose_step(experiment, corners=False)
     return timestep.machine() * run_seconds(experiment, time)

@@ -16,7 +16,7 @@ import hashlib
 import json
 import math
 from base64 import b64decode, b64encode
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass, field
 from functools import cached_property, lru_cache
 from pathlib import Path
@@ -95,16 +95,6 @@ class Runs(Sequence[PlannedRun]):
         self.role, self.normalized, self.values, self.id_of = role, points, values, id_of
 
     @classmethod
-    def from_runs(cls, runs: Sequence[PlannedRun]) -> "Runs":
-        """Make the sequence from `PlannedRun` objects, which keep their ids."""
-        role = np.array([ROLES.index(run.role) for run in runs], np.int8)
-        names = {run.values: run.id for run in runs}
-        normalized, values = (
-            np.array([getattr(r, key) for r in runs], float) for key in ("normalized", "values")
-        )
-        return cls(role, normalized, values, names.__getitem__)
-
-    @classmethod
     def from_points(
         cls, experiment: Experiment, role: np.ndarray, points: np.ndarray, step: float,
         mechanics: str,
@@ -140,16 +130,8 @@ class Runs(Sequence[PlannedRun]):
         """Return the runs in order, without those that repeat an earlier one's parameter values."""
         if not self.values.shape[1]:
             return self[:1]
-        words = np.ascontiguousarray(self.values).view(np.uint64)
-        key: Any = np.uint64(0)
-        for column in words.T:  # equal values have equal keys
-            key = (key ^ column) * np.uint64(0x9E3779B97F4A7C15)
-            key ^= key >> np.uint64(29)
-        key.sort()
-        if (key[1:] != key[:-1]).all():
-            return self
-        rows = words.view(np.dtype((np.void, words.shape[1] * 8)))[:, 0]
-        return self[np.sort(np.unique(rows, return_index=True)[1])]
+        bits = np.ascontiguousarray(self.values).view(f"V{8 * self.values.shape[1]}")[:, 0]
+        return self[np.sort(np.unique(bits, return_index=True)[1])]
 
 
 class RunAccount:
@@ -179,35 +161,31 @@ class RunAccount:
 def namer(
     experiment: Experiment, step: float, mechanics: str
 ) -> Callable[[tuple[float, ...]], str]:
-    """Make a function that computes a run's id from its values (k) of the interval parameters.
-    step: time step (s); mechanics: digest of the structure and of the code that computes runs."""
+    """Make a function that computes a run's id (16 hex digits) from its values (k) of the interval
+    parameters, and from all else that its motion depends on. step: time step (s); mechanics: digest
+    of the structure and of the code that computes runs."""
 
     @lru_cache(_MAX_NAMES)
     def name(values: tuple[float, ...]) -> str:
-        values_by_name = dict(zip(experiment.intervals, values, strict=True))
-        return run_id(experiment, experiment.parameters(values_by_name), step, mechanics)
+        parameters = experiment.parameters(dict(zip(experiment.intervals, values, strict=True)))
+        solver = experiment.solver
+        return digest(
+            {
+                "scene": experiment.scene.name,
+                "parameters": {
+                    name: float(value) if type(value) is int else value
+                    for name, value in parameters.items()
+                },
+                "duration": solver.duration,
+                "instants": solver.instants,
+                "readings": experiment.readings(step),
+                "step": step,
+                "energy_tolerance": solver.energy_tolerance,
+                "mechanics": mechanics,
+            }
+        )
 
     return name
-
-
-def run_id(experiment: Experiment, parameters: Mapping, step: float, mechanics: str) -> str:
-    """Compute the id of a run (16 hex digits) from all that its motion depends on. parameters: all
-    of the structure's, by name, in their units; step (s), mechanics: as of `namer`."""
-    return digest(
-        {
-            "scene": experiment.scene.name,
-            "parameters": {
-                name: float(value) if type(value) is int else value
-                for name, value in parameters.items()
-            },
-            "duration": experiment.solver.duration,
-            "instants": experiment.solver.instants,
-            "readings": experiment.readings(step),
-            "step": step,
-            "energy_tolerance": experiment.solver.energy_tolerance,
-            "mechanics": mechanics,
-        }
-    )
 
 
 @dataclass(frozen=True)

@@ -128,7 +128,7 @@ def motions_of(samples: RunSamples, runs: Sequence[ShownRun], frames: int = 401)
     scenes = [experiment.build(dict(point)) for point in points]
     first_row: Any = runs[0].row
     (events,) = samples.events([first_row])
-    bare = {i for i, run in enumerate(runs) if run.row is None or samples.keeps_extremes}
+    bare = {i for i, run in enumerate(runs) if run.row is None}
     return whole_motion(
         scenes,
         duration=solver.duration,

@@ -155,9 +155,8 @@ def from_results(path: str | Path) -> PageData:
             what_if=_what_if(samples, folder, facts),
         )
         curves = {m.run: m.motion["curves"].values for m in data.moving if "curves" in m.motion}
-        if not samples.keeps_extremes:  # of which a scan may have more than fit into memory
-            drawn_runs = {*data.lines, *(mover.run for mover in data.moving)} - curves.keys()
-            curves |= {run: samples.curves(rows[run]) for run in sorted(drawn_runs)}
+        drawn_runs = {*data.lines, *(mover.run for mover in data.moving)} - curves.keys()
+        curves |= {run: samples.curves(rows[run]) for run in sorted(drawn_runs)}
     with_curves = (replace(run, curves=curves.get(i)) for i, run in enumerate(runs))
     return replace(data, runs=tuple(with_curves))
 
@@ -167,7 +166,7 @@ MOST_RUNS = 10_000  # runs that a page has, with their parameters; of more, it h
 
 def _rows(samples: RunSamples, movers: Iterable[ShownRun]) -> Any:
     """Places among the samples of the runs that the page has."""
-    if len(samples) <= MOST_RUNS and not samples.keeps_extremes:
+    if len(samples) <= MOST_RUNS:
         return np.arange(len(samples))
     return np.array(sorted(run.row for run in movers if run.row is not None))
 

@@ -77,8 +77,7 @@ def _design(samples: Any, experiment: Experiment) -> Any:
     method, order = experiment.design.method, experiment.design.order
     if not (method == OWN_RUNS or (method == "sobol" and order is None)):
         return make_design(experiment)
-    nodes = samples["role"].values == "node" if "role" in samples else slice(1, None)
-    points = samples["normalized"].values[nodes]
+    points = samples["normalized"].values[samples["role"].values == "node"]
     orders = (0,) * points.shape[1]
     return intervals.Design(points, np.zeros((0, len(orders)), dtype=int), method, orders)
 

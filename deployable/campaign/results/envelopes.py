@@ -31,7 +31,7 @@ class Envelopes(xr.Dataset):
             raise CampaignError(f"{text}; allowed: {', '.join(responses)}")
         rows = tuple(self._read(name) for name in names or responses)
         display = Display(**json.loads(self.attrs.get("display", "{}")))
-        return envelope(shown_bounds(CampaignBounds(rows, [], {}), display).responses, 0.1)
+        return envelope(shown_bounds(CampaignBounds(rows, [], {}), display).responses)
 
     def _read(self, name: str) -> ResponseBounds:
         data = self.sel(response=name) if "response" in self.dims else self

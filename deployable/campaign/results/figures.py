@@ -31,11 +31,12 @@ DATELESS = {"png": {"Software": None}, "pdf": {"CreationDate": None}, "svg": {"D
 """Metadata of figures that the same data make the same."""
 STYLE: Any = {"svg.hashsalt": "deployable-intervals", "pdf.fonttype": 42}
 """Matplotlib's settings for files: the same names in all, and TrueType fonts, as journals ask."""
+_SHADE_ABOVE = 0.1  # of the largest difference of the bounds: a larger error is hatched
 _COLOURS = (BLUE, RED, *(BARS[i] for i in (2, 3, 0, 1)), "#000000", "#7F7F7F")
 _DASHES = ("-", (0, (4, 1.5)), (0, (1, 1)), (0, (5, 1, 1, 1)), (0, (8, 2)))
 
 
-def envelope(bounds: Sequence[ResponseBounds], shade_above: float, width: float = 6.4) -> Any:
+def envelope(bounds: Sequence[ResponseBounds], width: float = 6.4) -> Any:
     """Make a matplotlib figure of responses over time: bounds, their error, nominal run, instants
     hatched where the error is large; bounds are faint where it exceeds a quarter (`LARGE`) of their
     largest difference. All words stand below the axes.
@@ -44,8 +45,6 @@ def envelope(bounds: Sequence[ResponseBounds], shade_above: float, width: float 
     ----------
     bounds: of the responses. One stands above the difference of its bounds; several have a panel
         each, (a), (b), ...
-    shade_above: error, as a share of the largest difference of the bounds, above which instants are
-        hatched.
     width: of the figure (inches)."""
     is_single, columns, narrow = len(bounds) == 1, 1 if len(bounds) <= 3 else 2, width < 5.0
     heights = [1.0] * -(-len(bounds) // columns)
@@ -58,7 +57,7 @@ def envelope(bounds: Sequence[ResponseBounds], shade_above: float, width: float 
     for place, response in enumerate(bounds):
         letter = "" if is_single else f"({chr(97 + place)})"
         panel = axes if is_single else axes[place : place + 1]
-        _draw_envelope(panel, response, shade_above, letter)
+        _draw_envelope(panel, response, letter)
         ylabel = f"{response.long_name}{_unit(response)}"
         panel[0].set_ylabel(textwrap.fill(ylabel, 30 if narrow or columns > 1 else 36))
     for ax in axes[max(len(bounds), len(heights)) :]:
@@ -72,7 +71,7 @@ def envelope(bounds: Sequence[ResponseBounds], shade_above: float, width: float 
     return figure
 
 
-def _draw_envelope(axes: Any, bounds: ResponseBounds, shade_above: float, letter: str) -> None:
+def _draw_envelope(axes: Any, bounds: ResponseBounds, letter: str) -> None:
     """Draw a response into the first of some axes, the difference of its bounds into another."""
     ax, *difference_axes = axes
     lower, upper, difference, error = bounds.lower, bounds.upper, bounds.width, bounds.known_error
@@ -96,11 +95,11 @@ def _draw_envelope(axes: Any, bounds: ResponseBounds, shade_above: float, letter
                  (ax, upper, np.fmin(upper + error, bounds.most))]  # fmt: skip
         band = np.maximum(difference - error, 0), difference + error
         bands += [(axis, *band) for axis in difference_axes]
-        label = f"error above {100 * shade_above:.3g} % of\nthe largest difference"
+        label = f"error above {100 * _SHADE_ABOVE:.3g} % of\nthe largest difference"
         for axis, low, high in bands:
             axis.fill_between(time, low, high, where=sure, zorder=0.5, **ERROR)
         for axis in axes:
-            _shade(axis, time, error > shade_above * difference.max(), label)
+            _shade(axis, time, error > _SHADE_ABOVE * difference.max(), label)
     if sure[i := int(difference.argmax())] and difference[i] > 0:  # marked, and told in the legend
         ends = (time[i], lower[i]), (time[i], upper[i])
         ax.annotate("", *ends, arrowprops=ARROW, zorder=5)

@@ -36,7 +36,7 @@ def late_peaks(samples: RunSamples, closures: list[dict], time: np.ndarray) -> l
     responses, names = samples.experiment.response_list, []
     for quantity in samples.experiment.quantity_list if closures else ():
         choose = {"largest": np.argmax, "smallest": np.argmin}.get(quantity.kind)
-        if choose and quantity.response in responses and not samples.keeps_extremes:
+        if choose and quantity.response in responses:
             nominal: Any = samples.nominal
             (curve,) = samples.curves(nominal, [responses.index(quantity.response)])
             names += [quantity.name] * bool(time[choose(curve)] > closures[0]["time"])
@@ -75,7 +75,7 @@ def _late_runs(index: int, quantity: Any, samples: RunSamples, time: np.ndarray)
     rate; those that are `stuck` would not, one of them `at` a place. Empty where nothing tells."""
     response, level = _find_level(quantity, samples.experiment)
     rows = np.flatnonzero(np.isnan(samples.table.numbers[:, index]))
-    if response is None or samples.keeps_extremes or not len(rows):
+    if response is None or not len(rows):
         return {}
     number = samples.experiment.response_list.index(response)
     last = np.searchsorted(time, time[0] + 0.98 * (time[-1] - time[0]))

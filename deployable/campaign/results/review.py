@@ -6,7 +6,7 @@ row is met only where the numbers that it prints show it, with their errors."""
 import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from deployable.campaign.config.sections import BY_STANDARD
 from deployable.campaign.files import csv_text
@@ -29,39 +29,17 @@ PARTIAL, NOT_ANALYSED, REPORT = "partly analysed", "not analysed", "reported"
 STATES = (UNMET, OPEN, PARTIAL, NOT_ANALYSED, MET, REPORT)
 
 
-class Verdict(NamedTuple):
-    """Verdict of a row of the review sheet: `state`, one of the words in `STATES`, such as `met`,
-    `not met` or `undecided`, and `text`, the same in a sentence."""
+Verdict = tuple[str, str]
+"""One of `STATES`, and the same in a sentence."""
 
-    state: str
-    text: str
-
-
-NO_VERDICT = Verdict(NOT_ANALYSED, NOT_ANALYSED)
-REPORT_ONLY = Verdict(REPORT, REPORT)
-SOME_FAIL = Verdict(UNMET, "not met in at least a part of the box")
-ALL_FAIL = Verdict(UNMET, "not met anywhere in the box")
-
-
-def _because(state: str, reason: str) -> Verdict:
-    return Verdict(state, f"{state}: {reason}")
-
-
-class Clause(NamedTuple):
-    """A clause of a standard: `number`; `asks`, what it asks in our own words; `topic`, what
-    decides it: a subject of quantities such as `stress`, or a key of `ANALYSES`, functions of this
-    module for clauses about no quantity; empty where nothing does."""
-
-    number: str
-    asks: str
-    topic: str
-
+SOME_FAIL = UNMET, "not met in at least a part of the box"
+ALL_FAIL = UNMET, "not met anywhere in the box"
 
 _TABLES = json.loads(Path(__file__).with_name("clauses.json").read_text(encoding="utf-8"))
-CLAUSES = {
-    standard: tuple(Clause(*row) for row in rows) for standard, rows in _TABLES["clauses"].items()
-}
-"""By standard, as in `fpm.reading.standards`."""
+CLAUSES: dict[str, list[list[str]]] = _TABLES["clauses"]
+"""By standard, as in `fpm.reading.standards`, of each clause its number, what it asks in our own
+words, and the topic that decides it: a subject of quantities such as `stress`, or a key of
+`ANALYSES` for clauses about no quantity; empty where nothing does."""
 
 TOPICS = {kind: set(topics) for kind, topics in _TABLES["topics"].items()}
 """Topics by kinds of response and by events of which quantities are."""
@@ -77,7 +55,7 @@ def rows_of(facts: Mapping[str, Any], experiment: Any, standard: str) -> list[di
     """Make all rows of the review sheet of a standard: dicts of texts with the keys `HEADS`,
     `state` (the verdict as one of `STATES`) and `of` (the quantity). facts: with `mechanism`."""
     sheet = _Sheet(facts, experiment, standard)
-    rows = [row for clause in CLAUSES[standard] for row in sheet.rows(clause)]
+    rows = [row for clause in CLAUSES[standard] for row in sheet.rows(*clause)]
     return rows + sheet.list_other_rows()
 
 
@@ -96,8 +74,7 @@ def edition_of(standard: str) -> str:
 
 
 def as_csv(rows: Iterable[Mapping[str, str]], standard: str) -> str:
-    """Write a review sheet as CSV text, headings first, the same for all standards, with the
-    edition in the first column."""
+    """Write a review sheet as CSV text, headings first, with the edition in the first column."""
     heads = {**HEADS, "standard": "standard", "state": "state"}
     sheet_rows = ({**row, "standard": edition_of(standard)} for row in rows)
     return csv_text([row[name] for name in COLUMNS] for row in (heads, *sheet_rows))
@@ -153,24 +130,26 @@ class _Sheet:
                 self._limits.setdefault(limit["quantity"], []).append((row["name"], limit))
         self._free = [p["name"] for p in facts["parameters"] if p["upper"] > p["lower"]]
         runs = facts["runs"]["all"]
-        text = f"met in all of the box, by analysis of {runs} run{'s' * (runs != 1)}"
-        self._met = Verdict(MET, text)
+        self._met = MET, f"met in all of the box, by analysis of {runs} run{'s' * (runs != 1)}"
         self._row_names: set[str] = set()
 
-    def rows(self, clause: Clause) -> list[dict[str, str]]:
+    def rows(self, number: str, asks: str, topic: str) -> list[dict[str, str]]:
         """Return the sheet's rows that answer a clause, as dicts of texts; a single one that says
-        `not analysed` where nothing answers it. clause: one of `CLAUSES`."""
-        if clause.topic in ANALYSES:
-            rows: list = [ANALYSES[clause.topic](self)]
+        `not analysed` where nothing answers it. Arguments as in `CLAUSES`."""
+        if topic in ANALYSES:
+            rows: list = [ANALYSES[topic](self)]
         else:
-            quantities = [row for row in self.facts["quantities"]
-                          if clause.topic in self._topics(row["name"])]  # fmt: skip
-            if clause.topic == "margin":  # those by own factors behind those of the standard
+            quantities = [x for x in self.facts["quantities"] if topic in self._topics(x["name"])]
+            if topic == "margin":  # those by own factors behind those of the standard
                 quantities.sort(key=lambda row: bool(self._margins[row["name"]]["own"]))
-            rows = [x for row in quantities for x in self._quantity_rows(row, clause.topic)]
-            rows += self._find_latches(clause.topic, quantities)
-        rows = [row for row in rows if row] or [_row("", NO_VERDICT)]
-        return [{"clause": clause.number, "asks": clause.asks} | row for row in rows]
+            rows = [x for row in quantities for x in self._quantity_rows(row, topic)]
+            if topic == "latches" and rows:  # latches that no quantity is about, beside others
+                places = [self._numbers[row["name"]].places for row in quantities]
+                single = {place[0] for place in places if len(place) == 1}
+                rest = [name for name in self._mechanism["latches"] if name not in single]
+                rows += [_row(", ".join(rest))] if rest else []
+        rows = [row for row in rows if row] or [_row("")]
+        return [{"clause": number, "asks": asks} | row for row in rows]
 
     def list_other_rows(self) -> list[dict[str, str]]:
         """Return the rows that answer no clause: margins by other standards, and the campaign's own
@@ -220,7 +199,7 @@ class _Sheet:
             rest = [(requirement, entry) for requirement, entry in limits if entry is not limit]
             return [main, *self._list_requirements(row, rest)]
         if not limits:
-            verdict = Verdict(REPORT, "reported; no limit was stated")
+            verdict = REPORT, "reported; no limit was stated"
             if topic in ALLOWABLES:
                 verdict = _because(NOT_ANALYSED, "no allowable was stated (at_most)")
             return [self._row(row, verdict)]
@@ -231,12 +210,12 @@ class _Sheet:
         self._row_names.add(row["name"])
         rows = []
         for requirement, limit in limits:
-            verdict = self._judge(row, limit)
+            state, text = verdict = self._judge(row, limit)
             weaker = limit["kind"] != "at_least" or limit["level"] < 0
-            if row["name"] in self._margins and weaker and verdict.state != UNMET:
-                outcome = "kept in all of the box" if verdict.state == MET else verdict.text
-                text = f"reported: {outcome}, which does not show that the margin is at least 0"
-                verdict = Verdict(REPORT, text)
+            if row["name"] in self._margins and weaker and state != UNMET:
+                outcome = "kept in all of the box" if state == MET else text
+                text = f"{outcome}, which does not show that the margin is at least 0"
+                verdict = _because(REPORT, text)
             names = {"clause": "own", "asks": f"own requirement {requirement}"}
             rows.append(names | self._row(row, verdict, limit))
         return rows
@@ -266,17 +245,6 @@ class _Sheet:
             nearest += f", at an opening of {opening}"
         return _row(analysed, verdict, value, nearest, name)
 
-    def _find_latches(self, topic: str, rows: Sequence[Mapping]) -> list[dict[str, str]]:
-        """Latches that no quantity of the clause is about, where there are others."""
-        if topic != "latches" or not rows:
-            return []
-        places = {
-            place for row in rows if len(self._numbers[row["name"]].places) == 1
-            for place in self._numbers[row["name"]].places
-        }  # fmt: skip
-        latches = [name for name in self._mechanism["latches"] if name not in places]
-        return [_row(", ".join(latches), NO_VERDICT)] if latches else []
-
     # -- verdicts ----------------------------------------------------------------------------------
 
     def _judge(self, row: Mapping[str, Any], limit: Mapping[str, Any]) -> Verdict:
@@ -285,7 +253,7 @@ class _Sheet:
             return ALL_FAIL
         if limit["met"] == "some":
             share = numbers.share(limit["share"], limit["share_uncertainty"])
-            return Verdict(UNMET, f"not met in a part of the box; {share} of the box meets it")
+            return UNMET, f"not met in a part of the box; {share} of the box meets it"
         if limit["met"] == "undecided":
             runs = f"no failure found in {limit['runs']} runs"
             return _because(OPEN, f"{runs}, which does not prove the rest of the box")
@@ -294,7 +262,7 @@ class _Sheet:
         ):
             return _because(OPEN, "the limit is within the error")
         if row.get("doubt"):
-            return _because(OPEN, f"{row['doubt']}")
+            return _because(OPEN, row["doubt"])
         return self._met
 
     def _approve(self, row: Mapping[str, Any], limit: Mapping[str, Any], topic: str) -> Verdict:
@@ -306,12 +274,13 @@ class _Sheet:
         if not self._side(row["name"], limit):
             text = f"{_describe_limit(limit, row['units'])} does not bound the largest load here"
             return _because(NOT_ANALYSED, text)
-        if (verdict := self._judge(row, limit)).state != MET:
+        state, text = verdict = self._judge(row, limit)
+        if state != MET:
             return verdict
         if self._numbers[row["name"]].response.least is None and not {1, -1} <= sides:
             text = "met for loads of one sign; state a limit for the other sign, too"
             return _because(PARTIAL, text)
-        return Verdict(MET, f"{verdict.text}, by the allowable that the campaign states")
+        return MET, f"{text}, by the allowable that the campaign states"
 
     def _side(self, name: str, limit: Mapping[str, Any]) -> int:
         """Return whether a limit of a quantity bounds its response from above (1), from below (-1),
@@ -327,7 +296,6 @@ class _Sheet:
         return -1 if lower and is_signed else 0
 
     def _limit_at_zero(self, name: str) -> Mapping[str, Any] | None:
-        """Return the limit of a requirement that is that of the standards."""
         limits = (limit for _, limit in self._limits.get(name, ()))
         return next((x for x in limits if x["kind"] == "at_least" and x["level"] == 0), None)
 
@@ -344,31 +312,32 @@ class _Sheet:
         return _because(OPEN, "the least margin is within its error")
 
     def _margin(self, row: Mapping[str, Any]) -> Verdict:
-        """Return whether a margin meets its standard; of one by factors of its own, what both
-        say."""
-        margin, verdict = self._margins[row["name"]], self._above_zero(row)
+        """Return whether a margin meets its standard; of one by factors of its own, what both say.
+        One without parts that drive nowhere is no failure case."""
+        margin, (state, text) = self._margins[row["name"]], self._above_zero(row)
+        if idle := [part for part in margin["without"] if part not in margin["drives"]]:
+            text = f"{', '.join(idle)} drives nowhere, so its absence is no failure case"
+            return _because(NOT_ANALYSED, text)
         if margin["own"]:
-            name, standard_verdict = f"{margin['name']}{BY_STANDARD}_least", NO_VERDICT
+            name, standard_text = f"{margin['name']}{BY_STANDARD}_least", NOT_ANALYSED
             peer = self._margins.get(name, {})
             if not peer.get("own", True) and peer["standard"] == margin["standard"]:
-                standard_verdict = self._margin(self._quantities[name])
-            text = f"by own factors ({', '.join(margin['own'])}): {verdict.text}"
-            return Verdict(REPORT, f"{text}; by those of the standard: {standard_verdict.text}")
-        if verdict.state != MET:
-            return verdict
+                _, standard_text = self._margin(self._quantities[name])
+            text = f"by own factors ({', '.join(margin['own'])}): {text}"
+            return REPORT, f"{text}; by those of the standard: {standard_text}"
+        if state != MET:
+            return state, text
         for requirement, limit in self._limits.get(row["name"], ()):
-            stricter = self._judge(row, limit)
-            if limit["kind"] == "at_least" and limit["level"] > 0 and stricter.state != MET:
+            own_state, _ = self._judge(row, limit)
+            if limit["kind"] == "at_least" and limit["level"] > 0 and own_state != MET:
                 text = f"own requirement {requirement}, {_describe_limit(limit, row['units'])}"
-                return _because(stricter.state, f"{text}; the margin is at least 0")
+                return _because(own_state, f"{text}; the margin is at least 0")
         if reasons := self._open_travel(margin):
             analysed = _stretch((margin["first"], margin["last"]), margin["unit"])
             return _because(PARTIAL, f"met from {analysed}; {'; '.join(reasons)}")
         if "measurement" in margin["evidence"] or "test" in margin["evidence"]:
-            return Verdict(
-                MET, f"{verdict.text}, if tests have confirmed the values behind the factors"
-            )
-        return verdict
+            text += ", if tests have confirmed the values behind the factors"
+        return MET, text
 
     def _open_travel(self, margin: Mapping[str, Any]) -> list[str]:
         """List the reasons why a margin does not cover the whole travel."""
@@ -410,15 +379,6 @@ class _Sheet:
                          "mechanism")  # fmt: skip
         return "; ".join(words)
 
-    def _failure(self, row: Mapping[str, Any]) -> Verdict:
-        """Return the verdict on a margin without some parts, which is a failure case only if these
-        drive."""
-        margin = self._margins[row["name"]]
-        if idle := [part for part in margin["without"] if part not in margin["drives"]]:
-            text = f"{', '.join(idle)} drives nowhere, so its absence is no failure case"
-            return _because(NOT_ANALYSED, text)
-        return self._margin(row)
-
     def _catches(self, row: Mapping[str, Any]) -> Verdict:
         """Return whether a latch catches."""
         places = self._numbers[row["name"]].places
@@ -428,7 +388,7 @@ class _Sheet:
             text = "requires that it does not happen" if limits else "does not require it"
             return _because(NOT_ANALYSED, f"the campaign {text}")
         verdict = self._judge(row, event_limits[0])
-        if verdict.state == MET and len(places) > 1:
+        if verdict[0] == MET and len(places) > 1:
             return _because(PARTIAL, f"met for the first of {', '.join(places)} that latches")
         return verdict
 
@@ -439,8 +399,8 @@ class _Sheet:
         places = self._numbers[row["name"]].places
         for name, number in self._numbers.items():
             if number.event == "latches" and number.places == places:
-                verdict = self._catches(self._quantities[name])
-                return Verdict(verdict.state, f"{verdict.text} (by {name})")
+                state, text = self._catches(self._quantities[name])
+                return state, f"{text} (by {name})"
         return _because(NOT_ANALYSED, "no quantity says whether it latches later")
 
     def _clearance(self, row: Mapping[str, Any]) -> Verdict:
@@ -454,8 +414,8 @@ class _Sheet:
         tolerance = row["upper"] - row["lower"] + 2 * error
         text = f"three times its tolerance is {numbers.quantity(3 * tolerance, row['units'])}"
         if row["lower"] - error >= 3 * tolerance:
-            return Verdict(MET, f"{self._met.text}: {text}")
-        return Verdict(UNMET, f"not met in at least a part of the box: {text}")
+            return MET, f"{self._met[1]}: {text}"
+        return UNMET, f"{SOME_FAIL[1]}: {text}"
 
     # -- clauses that are about no single quantity -------------------------------------------------
 
@@ -470,24 +430,23 @@ class _Sheet:
             text = f"{''.join(springs)} is the only driving spring, which has to be justified"
             return _row("", _because(NOT_ANALYSED, text)) if springs else None
         verdicts = {
-            margin["without"][0]: (name, self._margin(self._quantities[name]))
+            margin["without"][0]: (name, *self._margin(self._quantities[name]))
             for name, margin in margins.items()
             if len(margin["without"]) == 1 and margin["without"][0] in springs
         }
         if not verdicts:
             return _row("", _because(NOT_ANALYSED, ", ".join(springs)))
+        names, states, texts = zip(*verdicts.values(), strict=True)
         rest = [name for name in springs if name not in verdicts]
-        states = {verdict.state for _, verdict in verdicts.values()}
         state = next(member for member in STATES if member in states)
         text = f"met in all of the box without any one of {', '.join(springs)}"
         if state != MET or rest:
-            texts = [f"without {name}: {verdict.text}" for name, (_, verdict) in verdicts.items()]
-            texts += [f"not analysed: {', '.join(rest)}"] if rest else []
+            parts = [f"without {x}: {text}" for x, text in zip(verdicts, texts, strict=True)]
+            parts += [f"not analysed: {', '.join(rest)}"] if rest else []
             state = PARTIAL if state == MET else state
-            text = "; ".join(texts)
+            text = "; ".join(parts)
         text = text if text.startswith(state) else f"{state}: {text}"
-        analysed = ", ".join(name for name, _ in verdicts.values())
-        return _row(f"one at a time: {analysed}", Verdict(state, text))
+        return _row(f"one at a time: {', '.join(names)}", (state, text))
 
     def all_requirements(self) -> dict[str, str] | None:
         """Row on the part of the box of parameters in which all requirements, and all margins'
@@ -497,18 +456,18 @@ class _Sheet:
         rows, whole = self.facts["requirements"], self.facts["together"]
         analysed = f"all requirements together over the box of {', '.join(self._free)}, by "
         analysed += f"{self.facts['runs']['all']} runs including the worst places"
-        states = {name: self._failure(self._quantities[name]).state for name in self._margins}
+        states = {name: self._margin(self._quantities[name])[0] for name in self._margins}
         failures: dict[str, None] = {}
         for row in (row for row in rows if row["met"] in ("some", "none")):
             names = [limit["quantity"] for limit in row["limits"] if limit["met"] != "all"]
             failures |= dict.fromkeys(names or [row["name"]])
         failures |= dict.fromkeys(name for name, state in states.items() if state == UNMET)
-        outcomes = [self._judge(self._quantities[limit["quantity"]], limit).state
-                for row in rows for limit in row["limits"]]  # fmt: skip
+        outcomes = [self._judge(self._quantities[limit["quantity"]], limit)[0]
+                    for row in rows for limit in row["limits"]]  # fmt: skip
         verdict = self._met
         if failures and whole["met"] == "some":
             share = numbers.share(whole["share"], whole["share_uncertainty"])
-            verdict = Verdict(UNMET, f"not met in a part of the box; {share} of the box meets all")
+            verdict = UNMET, f"not met in a part of the box; {share} of the box meets all"
         elif not self._free:
             verdict = _because(NOT_ANALYSED, "no parameter is an interval")
         elif failures:
@@ -540,26 +499,26 @@ class _Sheet:
         if change < MIN_EXCHANGE * self._tolerance * largest or change == 0:
             text = "energies hardly change, so the balance shows nothing"
             return _row(analysed, _because(NOT_ANALYSED, text), value)
-        return _row(analysed, Verdict(MET, "met in all runs"), value)
+        return _row(analysed, (MET, "met in all runs"), value)
 
     def parametric(self) -> dict[str, str]:
         """Row on which parameters of the structure vary in the campaign, and which are fixed."""
         if not self._free:
-            return _row("", NO_VERDICT)
+            return _row("")
         fixed = [
             f"{p['description'] or p['name']} ({p['name']} = "
             f"{numbers.quantity(p['value'], p['units'], 4)})"
             for p in self.facts["fixed"] if isinstance(p["value"], float)
         ]  # fmt: skip
-        verdict = (
-            _because(PARTIAL, f"these do not vary: {'; '.join(fixed)}") if fixed else REPORT_ONLY
-        )
+        verdict = REPORT, REPORT
+        if fixed:
+            verdict = _because(PARTIAL, f"these do not vary: {'; '.join(fixed)}")
         return _row("parameters that are intervals", verdict, ", ".join(self._free))
 
     def tests(self) -> dict[str, str]:
         """Row on what measured curves leave of the parameters' box, or that they refute it."""
         if (measured := self.facts.get("measured")) is None:
-            return _row("", NO_VERDICT)
+            return _row("")
         analysed = "measured curves: " + ", ".join(test["name"] for test in measured["tests"])
         worst = measured["worst"]
         nearest = (
@@ -576,7 +535,7 @@ class _Sheet:
             return _row(analysed, _because(UNMET, text.removesuffix(".")), "", nearest)
         stretches = [(p["name"], _stretch(p["after"], p["units"])) for p in measured["parameters"]]
         value = "; ".join(f"{name} {text}" for name, text in stretches)
-        verdict = Verdict(REPORT, "reported: the intervals that remain after the tests")
+        verdict = _because(REPORT, "the intervals that remain after the tests")
         if measured["attained"] > 1:
             verdict = _because(
                 OPEN, "no run explains the tests, but nothing excludes the remaining values"
@@ -588,7 +547,7 @@ class _Sheet:
         texts = [f"{row['name']}: {name} ({numbers.percent(row['influence'][name]['share'])})"
                  for row in self.facts["quantities"] if (name := decisive(row))]  # fmt: skip
         analysed = "share of each quantity's width that its main parameter causes, by the fit"
-        return _row(analysed, REPORT_ONLY, "; ".join(texts)) if texts else None
+        return _row(analysed, (REPORT, REPORT), "; ".join(texts)) if texts else None
 
     def budget(self) -> dict[str, str] | None:
         """Row on the width of each quantity's interval, now and with the main tolerance halved."""
@@ -599,7 +558,7 @@ class _Sheet:
                 whole, half = (numbers.quantity(width, row["units"], 2) for width in widths)
                 texts.append(f"{row['name']}: {whole}, {half} with half the tolerance of {name}")
         analysed = "width of each interval, now and with its main tolerance halved"
-        return _row(analysed, REPORT_ONLY, "; ".join(texts)) if texts else None
+        return _row(analysed, (REPORT, REPORT), "; ".join(texts)) if texts else None
 
 
 ANALYSES: dict[str, Callable[[_Sheet], dict | None]] = {
@@ -610,16 +569,22 @@ ANALYSES: dict[str, Callable[[_Sheet], dict | None]] = {
 """What analyses clauses that are about no quantity."""
 
 JUDGES = {
-    "margin": _Sheet._margin, "failure": _Sheet._failure, "latches": _Sheet._catches,
+    "margin": _Sheet._margin, "failure": _Sheet._margin, "latches": _Sheet._catches,
     "misses": _Sheet._catches_later, "clearance": _Sheet._clearance,
 }  # fmt: skip
 """What judges a quantity by the limit that its clause has."""
 
 
+def _because(state: str, reason: str) -> Verdict:
+    return state, f"{state}: {reason}"
+
+
 def _row(
-    analysed: str, verdict: Verdict, value: str = "", nearest: str = "", quantity: str = ""
-) -> dict[str, str]:
-    return {"analysed": analysed, "value": value, "verdict": verdict.text, "state": verdict.state,
+    analysed: str, verdict: Verdict = (NOT_ANALYSED, NOT_ANALYSED), value: str = "",
+    nearest: str = "", quantity: str = "",
+) -> dict[str, str]:  # fmt: skip
+    state, text = verdict
+    return {"analysed": analysed, "value": value, "verdict": text, "state": state,
             "nearest": nearest, "of": quantity}  # fmt: skip
 
 

@@ -14,7 +14,7 @@ from deployable.campaign.config.sections import Experiment
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import EVENT_VARIABLES, FAILURE_VARIABLES, ROLES, open_netcdf
 from deployable.campaign.folder import Folder
-from deployable.campaign.plan.plan import FailedRun, PlannedRun, namer
+from deployable.campaign.plan.plan import FailedRun, PlannedRun
 
 
 class RunTable(NamedTuple):
@@ -89,8 +89,7 @@ class RunSamples:
     """Runs of a campaign, of its open `samples.nc`; what may be large is read when it is first
     asked for. `finest_step` (s): of runs that failed with `time_step` and were repeated;
     `mechanics`: digest of structure and program; `contacts`: names of contacts, stops and latches;
-    `overlap`: largest one of the faces of a contact (rad); `assembly_energy` (J): at the start;
-    `keeps_extremes`: whether there are only the least and largest values of the responses."""
+    `overlap`: largest one of the faces of a contact (rad); `assembly_energy` (J): at the start."""
 
     def __init__(self, file: Any):
         self._file, self.experiment = file, Experiment.read(file.config)
@@ -99,7 +98,6 @@ class RunSamples:
         self.contacts = file["contact"][:].tolist()
         self.overlap = float(file["overlap"][:].max())
         self.assembly_energy = float(getattr(file, "assembly_energy", 0.0))
-        self.keeps_extremes = "lower_run" in file.variables
 
     @cached_property
     def failures(self) -> list[FailedRun]:
@@ -117,8 +115,6 @@ class RunSamples:
     @cached_property
     def roles(self) -> list[str]:
         """Role of each run: `nominal`, `node` (fitted), `held_out` (a test)."""
-        if self.keeps_extremes:
-            return ["nominal"] + ["node"] * (len(self) - 1)
         return self._file["role"][:].tolist()
 
     @property
@@ -129,22 +125,16 @@ class RunSamples:
     def ids(self, rows: Sequence[int] | slice = slice(None)) -> list[str]:
         """Names (16 hex digits) of runs; rows: indices, or a slice."""
         rows = rows if isinstance(rows, slice) else list(rows)
-        if "run_id" in self._file.variables:
-            return self._file["run_id"][:][rows].tolist()
-        name = namer(self.experiment, self.time_step, self.mechanics)
-        return [name(tuple(values)) for values in self.table.values[rows].tolist()]
+        return self._file["run_id"][:][rows].tolist()
 
     def count(self) -> dict[str, Any]:
         """Count the different runs: all `runs`; `nodes`, that were fitted; `held_out`, which test
         the fit."""
-        if self.keeps_extremes:
-            counts = len(self) - 1, 0, len(self)
-        else:
-            ids: dict[str, set] = {role: set() for role in ROLES}
-            for role, run in zip(self.roles, self.ids(), strict=True):
-                ids[role].add(run)
-            nominal, nodes, held_out, _ = ids.values()
-            counts = len(nodes), len(held_out - nodes), len(nodes | held_out | nominal)
+        ids: dict[str, set] = {role: set() for role in ROLES}
+        for role, run in zip(self.roles, self.ids(), strict=True):
+            ids[role].add(run)
+        nominal, nodes, held_out, _ = ids.values()
+        counts = len(nodes), len(held_out - nodes), len(nodes | held_out | nominal)
         return dict(zip(("nodes", "held_out", "runs"), counts, strict=True))
 
     def events(self, rows: Sequence[int]) -> list[np.ndarray]:
@@ -154,19 +144,13 @@ class RunSamples:
         return [table[np.isfinite(table[:, 0])] for table in np.stack(columns, axis=-1)]
 
     def curves(self, runs: int | slice, responses: list[int] | slice = slice(None)) -> np.ndarray:
-        """Responses (n, T) of a run, or (R, n, T) of several; not where there are extremes alone.
-        runs, responses: indices."""
+        """Responses (n, T) of a run, or (R, n, T) of several. runs, responses: indices."""
         return self._file["values"][runs, responses]
 
     def extreme_runs(self, response: int, instant: int) -> tuple[int, int]:
         """Indices of the runs with the least and the largest value of a response at an instant."""
-        if not self.keeps_extremes:
-            values = self._file["values"][:, response, instant]
-            return int(values.argmin()), int(values.argmax())
-        names = ("lower", "upper", "lower_run", "upper_run")
-        low, high, low_run, high_run = (self._file[n][:, response, instant] for n in names)
-        rows = np.flatnonzero(low_run >= 0)  # of quarters that have runs
-        return int(low_run[rows[low[rows].argmin()]]), int(high_run[rows[high[rows].argmax()]])
+        values = self._file["values"][:, response, instant]
+        return int(values.argmin()), int(values.argmax())
 
 
 def check_mechanics(experiment: Experiment, mechanics: str, folder: Folder) -> None:

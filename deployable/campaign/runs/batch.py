@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from functools import partial
-from itertools import islice
+from itertools import chain, islice
 from pathlib import Path
 from threading import Lock
 from typing import Any
@@ -31,7 +31,6 @@ from deployable.campaign.runs.progress import (
 from deployable.campaign.runs.results import Result, groups_of
 from deployable.campaign.runs.store import open_store
 from fpm.files.seals import remove_temporary
-from fpm.files.trajectory import Column
 from fpm.reading.variables import words
 from fpm.solver.simulate import HALVINGS
 
@@ -62,7 +61,7 @@ def run_batch(
     start_clocks = clocks()
     store = open_store(jobs.keep, folder, plan.experiment)
     remove_temporary(folder)
-    groups = store.groups(plan.unique_runs, jobs.group)
+    groups = groups_of(plan.unique_runs, jobs.group)
     batch_groups = split_evenly(groups, batch, batches)
     work = [(group, missing) for group in batch_groups if len(missing := store.missing(group))]
     notify_reruns(store, notify)
@@ -73,18 +72,15 @@ def run_batch(
         scene = plan.experiment.build(plan.name_values(work[0][1][0]))
         warm_up(scene, notify, plan.experiment.record)
         describe = progress_of(plan.experiment.name, total, store.counter(groups))
-        loop_start = clocks()
+        start = time.perf_counter()
         lots = [work] if processes == 1 else [[item] for item in work]
         simulate_lot = partial(_simulate_groups, simulation, store)
         with report_step(describe, notify, processes == 1):
             for totals in spread(simulate_lot, [(lot,) for lot in lots], processes):
                 simulation.take(totals)
                 if processes > 1 and isinstance(notify, MessagePrinter):
-                    notify.move(describe((clocks() - loop_start)[0]))
-        notify(describe((clocks() - loop_start)[0]))
-        if simulation.count and jobs.minutes:
-            seconds = (clocks() - loop_start)[0] * min(processes, len(lots)) / simulation.count
-            notify(f"jobs.run_seconds: {seconds:.3g} s of a core for a run here")
+                    notify.move(describe(time.perf_counter() - start))
+        notify(describe(time.perf_counter() - start))
     store.note_failures(simulation.failures)  # of other processes
     failures = [failure for group in batch_groups for failure in store.list_failures(group)]
     check_failures(plan, failures, total)
@@ -133,7 +129,7 @@ def _simulate_groups(
     """Simulate and write the missing runs of groups; return their number, the failures and the
     seconds."""
     runner = Simulation(simulation.plan, simulation.size, simulation.threads)
-    lots = [(missing, store.previous_columns(missing)) for _, missing in work]
+    lots = [missing for _, missing in work]
     for (group, _), results in zip(work, runner.run_lots(lots), strict=True):
         store.write(group, results)
         store.note_failures(runner.failures)
@@ -161,17 +157,21 @@ def notify_reruns(store: Any, notify: Notify) -> None:
     store.absences.clear()
 
 
-def make_again(plan: Plan, store: Any, group: Runs, size: int, notify: Notify) -> None:
-    """Simulate the runs of a group that a store lacks, `size` of them together, and write them into
-    it. Raises `CampaignError` if structure or code changed since the plan was made."""
+def complete_group(
+    plan: Plan, store: Any, group: Runs, simulation: "Simulation", notify: Notify, text: str = ""
+) -> None:
+    """Simulate the runs of a group that a store lacks, and write them into it; text: a message that
+    comes first, with the number of these runs in place of `{}`. Raises `CampaignError` if structure
+    or code changed since the plan was made."""
     missing = store.missing(group)
     notify_reruns(store, notify)
-    if not len(missing):
-        return
-    check_structure(plan)
-    notify(f"{plan.experiment.name}: {len(missing)} runs are missing and made again")
-    simulation = Simulation(plan, size)
-    store.write(group, simulation.results(missing, store.previous_columns(missing)))
+    if len(missing):
+        check_structure(plan)
+        if text:
+            notify(text.format(len(missing)))
+        scene = plan.experiment.build(plan.name_values(missing[0]))
+        warm_up(scene, notify, plan.experiment.record)
+        store.write(group, simulation.results(missing))
     store.note_failures(simulation.failures)
 
 
@@ -193,28 +193,26 @@ class Simulation:
         self.failures += failures
         self.seconds += seconds
 
-    def results(self, runs: Runs, columns: Iterable[Column] = ()) -> Iterator[Result]:
-        """Simulate runs and yield the `Result` of each that succeeds, in order. columns: (variable,
-        label of a part of the structure) pairs to record besides what responses need."""
-        for results in self.run_lots([(runs, columns)]):
+    def results(self, runs: Runs) -> Iterator[Result]:
+        """Simulate runs and yield the `Result` of each that succeeds, in order."""
+        for results in self.run_lots([runs]):
             yield from results
 
-    def run_lots(self, lots: Sequence[tuple[Runs, Iterable[Column]]]) -> Iterator[Iterator[Result]]:
-        """Simulate several lots, pairs of runs and columns (variable, label) to record, and yield
-        for each an iterator of `Result`, to be consumed in order, while threads go on."""
+    def run_lots(self, lots: Sequence[Runs]) -> Iterator[Iterator[Result]]:
+        """Simulate several lots of runs, and yield for each an iterator of `Result`, to be consumed
+        in order, while threads go on."""
         with ThreadPoolExecutor(self.threads) as pool:
 
-            def start(group: Runs, columns: Iterable[Column]) -> list[Future]:
+            def start(group: Runs) -> list[Future]:
                 count = max(1, min(self.threads, len(group) // 4))  # eight runs take as long as one
                 whole: Any = group
                 parts = [split_evenly(whole, part, count) for part in range(count)]
-                return [pool.submit(simulate, self.plan, part, columns) for part in parts]
+                return [pool.submit(simulate, self.plan, part) for part in parts]
 
-            groups = [(groups_of(runs, self.size), columns) for runs, columns in lots]
-            items = ((group, columns) for lot, columns in groups for group in lot)
-            futures = _one_ahead(start, items)
+            groups = [groups_of(runs, self.size) for runs in lots]
+            futures = _one_ahead(start, chain.from_iterable(groups))
             try:
-                for lot, _ in groups:
+                for lot in groups:
                     yield self._collect(islice(futures, len(lot)))
             finally:
                 pool.shutdown(cancel_futures=True)
@@ -227,21 +225,21 @@ class Simulation:
                 yield from results
 
 
-def _one_ahead(start: Callable, items: Iterable[tuple]) -> Iterator[Any]:
-    """`start(*item)` of all items in order, each when that of the next was called."""
+def _one_ahead(start: Callable, items: Iterable[Any]) -> Iterator[Any]:
+    """`start(item)` of all items in order, each when that of the next was called."""
     queue: deque = deque()
     for item in items:
-        queue.append(start(*item))
+        queue.append(start(item))
         if len(queue) > 1:
             yield queue.popleft()
     yield from queue
 
 
 def simulate(
-    plan: Plan, runs: Sequence[PlannedRun], columns: Iterable[Column] = ()
+    plan: Plan, runs: Sequence[PlannedRun]
 ) -> tuple[list[Result], list[FailedRun], np.ndarray]:
     """Simulate runs side by side in this thread: a `Result` or `FailedRun` each, and seconds (2) of
-    integration, wall-clock and processor. columns: (variable, label), further ones to record."""
+    integration, wall-clock and processor."""
     experiment, solver = plan.experiment, plan.experiment.solver
     parameters = [experiment.parameters(plan.name_values(run)) for run in runs]
     with _BUILD_LOCK:
@@ -253,7 +251,7 @@ def simulate(
         instants=solver.instants,
         step=plan.time.step,
         energy_tolerance=solver.energy_tolerance,
-        record=sorted({*experiment.record, *columns}),
+        record=experiment.record,
         halvings=HALVINGS if solver.step == "auto" else 0,
         readings=experiment.readings(plan.time.step),
         peaks=experiment.peaks,

@@ -17,7 +17,7 @@ from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import EVENT_VARIABLES, write_result
 from deployable.campaign.plan.plan import FailedRun, PlannedRun, Runs
 from fpm.files.seals import DamagedError, check, unseal
-from fpm.files.trajectory import Column, NetcdfVariable, write_arrays
+from fpm.files.trajectory import Column
 
 NOTE_SUFFIX = ".failed.json"
 """Ending of the notes of runs that failed, which are named by their ids."""
@@ -70,10 +70,6 @@ class Store:
         self.damage: dict[Path, DamagedError] = {}
         self.absences: dict[str, set[Column]] = {}
 
-    def groups(self, runs: Runs, size: int) -> list[Runs]:
-        """Divide runs, in order, into groups that are written together, of at most `size` runs."""
-        return groups_of(runs, size)
-
     @cached_property
     def _notes(self) -> dict[str, tuple[float, str]]:
         """Time (s) and reason of the runs that are known to fail, by id."""
@@ -105,11 +101,6 @@ class Store:
         if not self._notes:
             return runs
         return runs[[i for i, run in enumerate(runs) if run.id not in self._notes]]
-
-    def previous_columns(self, runs: Runs) -> set[Column]:
-        """Return the columns (variable, label) that repeated runs must record, besides those of
-        responses, because their files had them. In this base class there are none."""
-        return set()
 
     def file_of(self, group: Runs) -> str:
         """Return the name, without suffix, of a group's file: a digest of its runs, and of the
@@ -203,23 +194,3 @@ def largest_overlap(openings: Mapping[str, np.ndarray], contacts: Sequence[str])
     """Largest overlap (rad) of the faces of hinge contacts, below 0 where all stay apart, 0 without
     contacts. openings: gap (T, rad) by contact; contacts without one are skipped."""
     return max((float(-openings[name].min()) for name in contacts if name in openings), default=0.0)
-
-
-def write_netcdf(path: Path, names: Mapping[str, Sequence[str]], variables: Mapping) -> None:
-    """Write a new netCDF file. names: of coordinates, by dimension; variables: by name a tuple of
-    netCDF type, dimensions, values, and options of `createVariable`."""
-    columns = {dim: NetcdfVariable((dim,), np.array(labels, str),
-                                   {"long_name": f"name of the {dim}"})
-               for dim, labels in names.items()}  # fmt: skip
-    for name, (kind, dims, values, options) in variables.items():
-        columns[name] = NetcdfVariable(dims, values, {}, {"kind": kind, **options})
-    write_arrays(path, {}, columns)
-
-
-def names_of(holder: Any) -> dict[str, list[str]]:
-    """Return the names of the responses and quantities of a store or chunk (`holder`), under the
-    keys "response" and "quantity", the dimensions in its file."""
-    return {
-        "response": [response.name for response in holder.responses],
-        "quantity": [quantity.name for quantity in holder.quantities],
-    }

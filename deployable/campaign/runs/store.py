@@ -16,11 +16,10 @@ from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import EVENT_VARIABLES, report_damage, whole_file
 from deployable.campaign.plan.plan import PlannedRun, Runs
 from deployable.campaign.runs import results as common
-from deployable.campaign.runs.extremes import ScanExtremes
 from deployable.campaign.runs.results import Result, RunRecord, Store
 from fpm.files import trajectory
 from fpm.files.seals import DamagedError, read_seal
-from fpm.files.trajectory import PEAK, Column
+from fpm.files.trajectory import PEAK
 from fpm.reading.quantities import MARGIN_READS, impact_margins
 from fpm.reading.variables import VARIABLES
 
@@ -32,7 +31,6 @@ class Trajectories(Store):
 
     def __init__(self, folder: Path, experiment: Experiment):
         super().__init__(folder, experiment)
-        self._columns: dict[str, set[Column]] = {}
         self._peaks = {q.peak_column for q in experiment.peaks}
         self._reads = {column for response in self.responses for column in response.reads}
 
@@ -64,11 +62,6 @@ class Trajectories(Store):
         curves = self.curves(group)
         return group[[i for i, run in enumerate(group) if run.id not in curves]]
 
-    def previous_columns(self, runs: Runs) -> set[Column]:
-        """Return the columns (variable, label) that the files of these runs have on request."""
-        columns = set().union(*(self._columns.get(run.id, ()) for run in runs))
-        return {column for column in columns if column[0] in VARIABLES}
-
     def counter(self, groups: Sequence[Runs]) -> Callable[[], int]:
         """Return a function that counts the stored runs of these groups, by seals alone."""
         names = {run.id for group in groups for run in group}
@@ -88,7 +81,7 @@ class Trajectories(Store):
                       for key in self.experiment.intervals}  # fmt: skip
         outcomes, attributes = [r.outcome for r in results], {**results[0].common, **attributes}
         basis = {c for c in outcomes[0].columns if c[0] in (*MARGIN_READS, PEAK, *VARIABLES)}
-        columns = self._reads.union(basis, *(self._columns.get(name, ()) for name in names))
+        columns = self._reads | basis
         contents = trajectory.contents(outcomes, (), attributes, parameters, names, columns)
         path = self.folder / f"{digest(names)}.nc"
         trajectory.write(contents, path, name=common.title(path), runs=" ".join(names))
@@ -130,7 +123,6 @@ class Trajectories(Store):
                 peaks = {p for p in self._peaks if any(key == PEAK for key, _ in curves.columns)}
                 if lacks := (self._reads | peaks) - columns:
                     self.absences[name] = lacks
-                    self._columns[name] = columns
                 else:
                     sound_curves[name] = curves
                     self.absences.pop(name, None)
@@ -169,22 +161,26 @@ class Responses(Store):
         values, curves = common.values_of(self.responses, outcomes), ("run", "response", "time")
         # Not compressed: it would save a third, and take half of the time of writing.
         variables: dict[str, tuple] = {
-            "time": ("f8", ("time",), outcomes[0].time, {}),
-            "values": ("f4", curves, values, {}),
-            "run_id": (str, ("run",), ids, {}),
-            "overlap": ("f8", ("run",), overlaps, {}),
-            "step": ("f8", ("run",), [outcome.step for outcome in outcomes], {}),
-            "event_margin": ("f8", ("run", "contact"), [*map(impact_margins, outcomes)], {}),
+            "contact": (str, ("contact",), np.array(contacts, str)),
+            "time": ("f8", ("time",), outcomes[0].time),
+            "values": ("f4", curves, values),
+            "run_id": (str, ("run",), ids),
+            "overlap": ("f8", ("run",), overlaps),
+            "step": ("f8", ("run",), [outcome.step for outcome in outcomes]),
+            "event_margin": ("f8", ("run", "contact"), [*map(impact_margins, outcomes)]),
         }
         for name, column in zip(EVENT_VARIABLES, np.moveaxis(events, -1, 0), strict=True):
-            variables[name] = "f8", ("run", "event"), column, {"fill_value": np.nan}
+            variables[name] = "f8", ("run", "event"), column
         if self.quantities:
             numbers = [common.numbers_of(self.quantities, outcome) for outcome in outcomes]
-            variables["quantities"] = "f8", ("run", "pair", "quantity"), numbers, {}
-        names = {"contact": contacts, **common.names_of(self)}
+            variables["quantities"] = "f8", ("run", "pair", "quantity"), numbers
+        columns = {
+            name: trajectory.NetcdfVariable(dims, content, {}, {"kind": kind})
+            for name, (kind, dims, content) in variables.items()
+        }
         path = self.path(group)
         with whole_file(path, {"name": common.title(path)}) as temporary:
-            common.write_netcdf(temporary, names, variables)
+            trajectory.write_arrays(temporary, {}, columns)
 
     def read(self, group: Runs) -> dict[str, RunRecord]:
         """Read the runs of a group from its file: returns a `RunRecord` by run id, none unless the
@@ -211,7 +207,7 @@ class Responses(Store):
         return records
 
 
-STORES = {"trajectories": Trajectories, "responses": Responses, "extremes": ScanExtremes}
+STORES = {"trajectories": Trajectories, "responses": Responses}
 
 
 def open_store(keep: str, folder: str | Path, experiment: Experiment) -> Any:

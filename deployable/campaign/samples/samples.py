@@ -13,9 +13,9 @@ from deployable.campaign.config.sections import Jobs
 from deployable.campaign.files import EVENT_VARIABLES, create, result_file
 from deployable.campaign.plan.plan import FailedRun, Plan, Runs, box_columns, failure_columns
 from deployable.campaign.provenance import as_attribute
-from deployable.campaign.runs.batch import check_failures, make_again
+from deployable.campaign.runs.batch import Simulation, check_failures, complete_group
 from deployable.campaign.runs.progress import Notify
-from deployable.campaign.runs.results import RunRecord, pad_events
+from deployable.campaign.runs.results import RunRecord, groups_of, pad_events
 from deployable.campaign.runs.store import open_store
 
 _FILE = "samples.nc"
@@ -29,7 +29,7 @@ def gather(
     import netCDF4
 
     store, unique = open_store(jobs.keep, folder, plan.experiment), plan.unique_runs
-    groups, failures = store.groups(unique, jobs.group), store.list_failures(unique)
+    groups, failures = groups_of(unique, jobs.group), store.list_failures(unique)
     check_failures(plan, failures, len(unique))
     runs = store.sound(plan.runs)
     rows: dict[str, list[int]] = {}
@@ -41,16 +41,17 @@ def gather(
         netCDF4.Dataset(temporary, "w", format="NETCDF4") as file,
     ):
         _write_runs(file, plan, runs, failures)
-        write_names(file, "response", store.responses)
+        _write_names(file, "response", store.responses)
         if quantities := plan.experiment.quantity_list:
-            write_names(file, "quantity", quantities)
+            _write_names(file, "quantity", quantities)
             blanks = np.full((len(runs), len(quantities)), np.nan)
             for name in ("quantities", "margin"):
                 create(file, _FILE, name, blanks)
         for group in groups:
             records = store.read(group)
             if len(records) < len(store.sound(group)):
-                make_again(plan, store, group, jobs.group, notify)
+                text = f"{plan.experiment.name}: {{}} runs are missing and made again"
+                complete_group(plan, store, group, Simulation(plan, jobs.group), notify, text)
                 records = store.read(group)
             if not records:
                 continue
@@ -66,36 +67,6 @@ def gather(
 
 def _write_runs(file: Any, plan: Plan, runs: Runs, failures: Sequence[FailedRun]) -> None:
     """Define the dimensions and write what is known of the runs before they are simulated."""
-    write_box(file, plan)
-    write_failures(file, failures)
-    file.createDimension("run", len(runs))
-    file.createDimension("event", None)
-    create(file, _FILE, "role", [run.role for run in runs])
-    create(file, _FILE, "run_id", [run.id for run in runs])
-    write_points(file, runs)
-    types = plan.experiment.scene_type.parameters
-    for name, column in zip(plan.experiment.intervals, runs.values.T, strict=True):
-        variable = file.createVariable(f"parameter_{name}", "f8", ("run",))
-        variable[:] = column
-        variable.setncatts({"long_name": f"value of {name}", "units": types[name].unit})
-
-
-def write_failures(file: Any, failures: Sequence[FailedRun]) -> None:
-    """Write the runs that failed into an open `netCDF4.Dataset`."""
-    if failures:
-        file.createDimension("failed", len(failures))
-    for name, column in failure_columns(failures).items():
-        create(file, _FILE, name, column)
-
-
-def write_points(file: Any, runs: Runs, **compression: Any) -> None:
-    """Write the points of runs, as `normalized` and `value`; compression: of `createVariable`."""
-    create(file, _FILE, "normalized", runs.normalized, **compression)
-    create(file, _FILE, "value", runs.values, **compression)
-
-
-def write_box(file: Any, plan: Plan) -> None:
-    """Write the parameter box of a plan, and the attributes of a samples file."""
     for name, values in box_columns(plan.experiment).items():
         create(file, _FILE, name, values)
     file.setncatts({
@@ -109,11 +80,27 @@ def write_box(file: Any, plan: Plan) -> None:
         "assembly_energy": plan.time.assembly_energy,
         "provenance": as_attribute(),
     })  # fmt: skip
+    if failures:
+        file.createDimension("failed", len(failures))
+    for name, column in failure_columns(failures).items():
+        create(file, _FILE, name, column)
+    file.createDimension("run", len(runs))
+    file.createDimension("event", None)
+    create(file, _FILE, "role", [run.role for run in runs])
+    create(file, _FILE, "run_id", [run.id for run in runs])
+    create(file, _FILE, "normalized", runs.normalized)
+    create(file, _FILE, "value", runs.values)
+    types = plan.experiment.scene_type.parameters
+    for name, column in zip(plan.experiment.intervals, runs.values.T, strict=True):
+        variable = file.createVariable(f"parameter_{name}", "f8", ("run",))
+        variable[:] = column
+        variable.setncatts({"long_name": f"value of {name}", "units": types[name].unit})
 
 
 def _define_curves(file: Any, record: RunRecord, parameters: Iterable[str]) -> None:
     """Define time, values and events as the first run has them."""
-    write_time(file, record.time, record.contacts)
+    create(file, _FILE, "time", record.time).setncatts({"standard_name": "time", "axis": "T"})
+    create(file, _FILE, "contact", record.contacts)
     # Not compressed: it would save a third at most, and take half of the time of gathering.
     variable = create(file, _FILE, "values", kind=record.values.dtype.newbyteorder("="))
     variables = [f"parameter_{name}" for name in parameters]
@@ -125,13 +112,7 @@ def _define_curves(file: Any, record: RunRecord, parameters: Iterable[str]) -> N
         create(file, _FILE, name, fill_value=np.nan)
 
 
-def write_time(file: Any, instants: np.ndarray, contacts: Sequence[str]) -> None:
-    """Write the instants (T) (s), and the names of contacts, stops and latches, as coordinates."""
-    create(file, _FILE, "time", instants).setncatts({"standard_name": "time", "axis": "T"})
-    create(file, _FILE, "contact", contacts)
-
-
-def write_names(file: Any, dimension: str, items: Sequence[Any]) -> None:
+def _write_names(file: Any, dimension: str, items: Sequence[Any]) -> None:
     """Write names, units and long names of responses or quantities (`dimension`); of responses
     their axes and physical lower bounds, too."""
     columns = {dimension: [item.name for item in items]}

@@ -13,7 +13,7 @@ from typing import Any, get_type_hints
 
 from deployable.campaign.config.sections import Campaign, Experiment, digest, from_data
 from deployable.campaign.errors import CampaignError, error_of_files
-from deployable.campaign.files import HISTORY, check_results, read_json, results_of
+from deployable.campaign.files import check_results, read_json, results_of
 from deployable.campaign.folder import MOST_PANELS, PICTURES, Folder
 from deployable.campaign.plan.plan import read_plan
 from deployable.campaign.provenance import program_digest
@@ -78,8 +78,7 @@ class Stage:
             if LOGGER.isEnabledFor(logging.DEBUG):
                 notify(f"{folder.path}: stage {self.name} took {time.monotonic() - start:.2f} s")
         except SceneError as error:  # of the structure that the results name
-            place = HISTORY[-1] if HISTORY else folder.path
-            raise CampaignError(f"{place}: {error}; run the campaign again") from error
+            raise CampaignError(f"{folder.path}: {error}; run the campaign again") from error
         except (MemoryError, OSError, RuntimeError) as error:
             file_error = error_of_files(error, folder.path)
             if file_error is None:
@@ -184,9 +183,9 @@ STAGES = {
               ("requirements", "choose", "published", "review", "verify", "jobs", "measured"),
               (PLAN, SAMPLES, DESIGN_BOUNDS), _list_answers, ("threads",)),
         Stage("figures", "Draw responses with their bounds, and what parameters contribute.",
-              ("error",), (PLAN, BOUNDS, SENSITIVITIES), _figures, draws=True),
+              (), (PLAN, BOUNDS, SENSITIVITIES), _figures, draws=True),
         Stage("page", "Make the page, with the motion of some runs and moments of the nominal one.",
-              ("figures",), (SAMPLES, BOUNDS, SENSITIVITIES, "summary.json"),
+              (), (SAMPLES, BOUNDS, SENSITIVITIES, "summary.json"),
               lambda _: ("report.html", *(f"figures/campaign/moments.{x}" for x in PICTURES)),
               ("frames",), draws=True),
         Stage("cases", "Compare the cases of a campaign, from their summaries.",

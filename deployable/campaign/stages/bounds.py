@@ -10,7 +10,6 @@ from deployable.campaign.plan.plan import read_plan
 from deployable.campaign.results.bounds import analyse
 from deployable.campaign.runs.progress import Notify, report_seconds
 from deployable.campaign.runs.store import unpack
-from deployable.campaign.samples.kept_extremes import gather as gather_extremes
 from deployable.campaign.samples.samples import gather
 
 
@@ -24,10 +23,9 @@ def work(
     runs fail."""
     unpack(bundles, folder.runs(jobs.keep))
     plan = read_plan(folder.plan)
-    collect = gather_extremes if jobs.keep == "extremes" else gather
     name = plan.experiment.name
     with report_seconds(f"{name}: gathering the runs", notify):
-        collect(plan, jobs, folder.runs(jobs.keep), folder.samples, notify)
+        gather(plan, jobs, folder.runs(jobs.keep), folder.samples, notify)
     components = COMPONENTS if verify.discretization else ()
     if plan.experiment.is_adaptive:
         components = plan.adaptive.check

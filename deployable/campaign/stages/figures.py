@@ -1,7 +1,5 @@
 """Figures of bounds and of contributions."""
 
-from typing import Any
-
 from deployable.campaign.files import check_results
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import read_plan
@@ -14,10 +12,9 @@ from deployable.campaign.runs.progress import Notify, report_seconds
 from deployable.campaign.stages import ANSWERS, PLAN, SAMPLES, drawings
 
 
-def work(folder: Folder, notify: Notify, error: Any) -> None:
+def work(folder: Folder, notify: Notify) -> None:
     """Do the work of the stage `figures`: draw each response with its bounds, all of them in
-    panels, the influence of each parameter, and the range of each quantity. error: section of the
-    config, whose `shade_above` says from which error on instants are hatched."""
+    panels, the influence of each parameter, and the range of each quantity."""
     experiment = read_plan(folder.plan).experiment
     names = drawings(experiment)
     if "ranges" in names:
@@ -26,9 +23,9 @@ def work(folder: Folder, notify: Notify, error: Any) -> None:
     with report_seconds(f"{experiment.name}: drawing figures", notify):
         bounds = shown_bounds(read_bounds(folder), experiment.display)
         for response in bounds.responses:
-            save(envelope([response], error.shade_above), folder.figures / response.name)
+            save(envelope([response]), folder.figures / response.name)
         if "responses" in names:
-            figure = envelope(bounds.responses, error.shade_above)
+            figure = envelope(bounds.responses)
             save(figure, folder.overviews / "responses")
         if "sensitivities" in names:
             save(shares(bounds), folder.overviews / "sensitivities")

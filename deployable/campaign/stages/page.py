@@ -1,7 +1,5 @@
 """The page of a campaign."""
 
-from typing import Any
-
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import check_results, open_netcdf, read_json
 from deployable.campaign.folder import Folder
@@ -12,7 +10,7 @@ from deployable.campaign.runs.progress import Notify, report_seconds
 from deployable.campaign.stages import ANSWERS, FRAMES, SAMPLES
 
 
-def work(folder: Folder, notify: Notify, figures: Any, frames: int = FRAMES) -> None:
+def work(folder: Folder, notify: Notify, frames: int = FRAMES) -> None:
     """Do the work of the stage `page`: write the page (`report.html`) with moving pictures of some
     runs, of `frames` each, and draw some moments of the nominal run. Raises `CampaignError` for
     less than 2 frames, `DamagedError` for results that have changed since they were written."""
@@ -27,4 +25,4 @@ def work(folder: Folder, notify: Notify, figures: Any, frames: int = FRAMES) -> 
     with report_seconds(f"{name}: making the page", notify):
         write_page(from_results(folder.path), folder.report)
         with open_netcdf(nominal) as motion:
-            save(draw_moments(motion, figures.moments), folder.overviews / "moments")
+            save(draw_moments(motion), folder.overviews / "moments")

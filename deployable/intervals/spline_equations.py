@@ -15,7 +15,7 @@ import scipy
 
 from .errors import IntervalError
 
-_COLUMNS, _BLOCK, _REMEMBERED = 512, 1 << 14, 32
+_COLUMNS, _BLOCK, _MOST_RESULTS = 512, 1 << 14, 32
 _CONDITION = 1e9  # of the equations of runs left out together: above it others give no spline
 # Runs closer than this, in unit coordinates, count once: the weights of three runs at distances h
 # are of the order 1 / h^3. On a line no weights are needed.
@@ -40,7 +40,7 @@ def remember(function: Callable) -> Callable:
         key = tuple((array.shape, array.dtype.char, array.tobytes()) for array in arrays)
         if key not in results:
             results[key] = function(*arrays)
-            if len(results) > _REMEMBERED:
+            if len(results) > _MOST_RESULTS:
                 del results[next(iter(results))]
         return results[key]
 

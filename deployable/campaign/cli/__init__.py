@@ -152,12 +152,12 @@ def _run_stage(options: argparse.Namespace) -> int:
     notify = MessagePrinter(*filter(None, (sys.stderr, log)))
     values = {key: getattr(options, key) for key in options.stage.options}
     names, folder = [*STAGES], Folder(options.folder)
-    first = names.index(values.pop("since", None) or options.stage.name)
+    first_stage = names.index(values.pop("since", None) or options.stage.name)
     try:
-        for name in names[first : names.index(options.stage.name) + 1]:
+        for name in names[first_stage : names.index(options.stage.name) + 1]:
             sections = STAGES[name].sections_in(options.config, folder)
-            given = {key: values[key] for key in STAGES[name].options if key in values}
-            STAGES[name].run(folder, notify, **sections, **given)
+            stage_values = {key: values[key] for key in STAGES[name].options if key in values}
+            STAGES[name].run(folder, notify, **sections, **stage_values)
     except (CampaignError, SceneError) as error:
         notify(f"error: {error}")
     except Exception as error:  # a fault of the program, which the log should have

@@ -7,24 +7,44 @@ Elsewhere the matrix of the cubes is reduced to the vectors orthogonal to the li
 which it is positive definite (Wendland 2005, chapter 8)."""
 
 from collections.abc import Callable, Iterable
+from functools import wraps
+from typing import Any
 
 import numpy as np
 import scipy
 
 from .errors import IntervalError
 
-_COLUMNS, _BLOCK = 512, 256
+_COLUMNS, _BLOCK, _MOST_RESULTS = 512, 1 << 14, 32
 _CONDITION = 1e9  # of the equations of runs left out together: above it others give no spline
 # Runs closer than this, in unit coordinates, count once: the weights of three runs at distances h
 # are of the order 1 / h^3. On a line no weights are needed.
 MIN_SPACING, MIN_SPACING_ON_LINE = 1e-4, 1e-6
 
 
-def in_blocks(function: Callable, points: np.ndarray) -> np.ndarray:
-    """Return the values (P, ...) of a function of points (P, k). It takes 256 at once, so that its
-    arrays stay in the cache: large new ones cost five times as much as computing them."""
-    blocks = [function(points[i : i + _BLOCK]) for i in range(0, max(len(points), 1), _BLOCK)]
+def in_blocks(function: Callable, points: np.ndarray, width: int) -> np.ndarray:
+    """Return the values (P, ...) of a function of points (P, k), whose arrays have `width` numbers
+    for each point. It takes so few points at once that these arrays stay below 128 kB: fresh
+    memory, which larger ones take, costs three times as much as computing them."""
+    step = max(_BLOCK // width, 16)
+    blocks = [function(points[i : i + step]) for i in range(0, max(len(points), 1), step)]
     return np.concatenate(blocks) if len(blocks) > 1 else blocks[0]
+
+
+def remember(function: Callable) -> Callable:
+    """Decorate a function of arrays, whose latest results are returned again for equal arrays."""
+    results: dict[tuple, Any] = {}
+
+    @wraps(function)
+    def call(*arrays: np.ndarray) -> Any:
+        key = tuple((array.shape, array.dtype.char, array.tobytes()) for array in arrays)
+        if key not in results:
+            results[key] = function(*arrays)
+            if len(results) > _MOST_RESULTS:
+                del results[next(iter(results))]
+        return results[key]
+
+    return call
 
 
 def squares(x: np.ndarray, points: np.ndarray) -> np.ndarray:

@@ -73,7 +73,9 @@ class Spline:
     def evaluate(self, points: np.ndarray) -> np.ndarray:
         """Values (P, ...) of the spline at `points` (P, k) in [-1, 1]^k."""
         flat = self.weights.reshape(len(self.weights), -1)
-        values = in_blocks(lambda x: self.basis(x) @ flat, np.asarray(points, dtype=float))
+        values = in_blocks(
+            lambda x: self.basis(x) @ flat, np.asarray(points, dtype=float), len(self.points)
+        )
         return values.reshape(len(points), *self.weights.shape[1:])
 
     def formula(self) -> Formula:
@@ -256,8 +258,10 @@ def _rows(x, points, scales) -> np.ndarray:
     x, points = (x * scales)[:, free], (points * scales)[:, free]
     if len(points) == 1:
         return np.ones((len(x), 1))
-    square = squares(x, points)
-    return np.concatenate([square * np.sqrt(square), np.ones((len(x), 1)), x], axis=1)
+    square, rows = squares(x, points), np.empty((len(x), sum(points.shape) + 1))
+    np.multiply(square, np.sqrt(square), out=rows[:, : len(points)])
+    rows[:, len(points)], rows[:, len(points) + 1 :] = 1.0, x
+    return rows
 
 
 def _system(points, scales) -> Polyharmonic:

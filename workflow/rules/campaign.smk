@@ -20,7 +20,7 @@ if WORKFLOW.cases:
 
 else:
 
-    include: "rounds.smk" if WORKFLOW.campaign.experiment.is_adaptive else "plan.smk"
+    include: "bounds.smk" if WORKFLOW.is_one_job() else "plan.smk"
     include: "answers.smk"
     include: "report.smk"
 

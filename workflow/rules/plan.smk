@@ -22,12 +22,9 @@ rule plan:
         call("plan")
 
 
-IS_SINGLE = WORKFLOW.batch_count() == 1 and PROCESSES == 1
-
-
 # Trajectories are not listed as outputs: they are named by their content, so that any later design
 # and a campaign that was killed find them again. Where jobs share no folder, a bundle carries them.
-# A batch beside others has one core, or a process on each of `jobs.processes`; a single one has all.
+# A batch has one core, or a process on each of `jobs.processes`.
 rule simulate:
     input:
         WORKFLOW.inputs("simulate"),
@@ -37,7 +34,7 @@ rule simulate:
         "{stage}/logs/batch-{batch}.log",
     conda:
         ENVIRONMENT
-    threads: max(PROCESSES, workflow.cores or 1) if IS_SINGLE else PROCESSES
+    threads: PROCESSES
     resources:
         runtime=lambda wildcards, input, attempt: attempt * job_minutes(input),
         mem_mb=megabytes,
@@ -46,7 +43,6 @@ rule simulate:
         config=WORKFLOW.sections("simulate"),
         code=CODE,
         batch_count=WORKFLOW.batch_count(),
-        share="--threads" if IS_SINGLE else "--processes",
         bundle=lambda wildcards, output: (
             f"--bundle {quote(output.bundle)}" if IS_APART else ""
         ),
@@ -56,7 +52,7 @@ rule simulate:
         call(
             "simulate",
             "--batch {wildcards.batch} --batches {params.batch_count}",
-            "{params.share} {threads} {params.bundle}",
+            "--processes {threads} {params.bundle}",
         )
 
 

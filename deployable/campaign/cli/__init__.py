@@ -150,9 +150,13 @@ def _run_stage(options: argparse.Namespace) -> int:
             log = options.log.open("w", encoding="utf-8")
     notify = MessagePrinter(*filter(None, (sys.stderr, log)))
     values = {key: getattr(options, key) for key in options.stage.options}
+    names, folder = [*STAGES], Folder(options.folder)
+    first_stage = names.index(values.pop("since", None) or options.stage.name)
     try:
-        sections = options.stage.sections_in(options.config, Folder(options.folder))
-        options.stage.run(Folder(options.folder), notify, **sections, **values)
+        for name in names[first_stage : names.index(options.stage.name) + 1]:
+            sections = STAGES[name].sections_in(options.config, folder)
+            stage_values = {key: values[key] for key in STAGES[name].options if key in values}
+            STAGES[name].run(folder, notify, **sections, **stage_values)
     except (CampaignError, SceneError) as error:
         notify(f"error: {error}")
     except Exception:  # a fault of the program, which the log should have

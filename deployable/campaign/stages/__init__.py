@@ -35,6 +35,7 @@ OPTIONS = {
     "threads": {"type": int, "default": 1, "help": "number of threads (%(default)s)"},
     "bundle": {"type": Path, "help": "file for the runs, if no folder is shared"},
     "bundles": {"nargs": "*", "type": Path, "default": [], "help": "runs, as files"},
+    "since": {"choices": ("plan", "simulate"), "help": "first of the stages before to be run too"},
     "frames": {"type": int, "default": FRAMES,
                "help": "frames of the runs that move, evenly spread (%(default)s)"},
 }  # fmt: skip
@@ -177,7 +178,8 @@ STAGES = {
               ("jobs",), (PLAN,), lambda _: ("batches/{batch}.json",),
               ("batch", "batches", "processes", "threads", "bundle"), is_adaptive=False),
         Stage("bounds", "Gather the responses of all runs, fit the surrogate, take its bounds.",
-              ("bounds", "verify", "jobs"), (PLAN,), lambda _: BOUNDS_FILES, ("threads", "bundles"),
+              ("bounds", "verify", "jobs"), (PLAN,), lambda _: BOUNDS_FILES,
+              ("threads", "bundles", "since"),
               is_adaptive=False),
         Stage("answers", "Find intervals of quantities, what meets the requirements, the choice.",
               ("requirements", "choose", "published", "review", "verify", "jobs", "measured"),

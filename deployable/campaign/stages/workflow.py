@@ -57,14 +57,21 @@ class Workflow:
             return config["workflow"]
         return cls(load_config([], restore_types(config), "the config of the module"))
 
-    def sections(self, stage: str) -> str:
-        """Write the config sections that a stage, by name, depends on, as JSON for its command."""
-        return as_json(**STAGES[stage].sections_of(self.campaign))
+    def sections(self, *stages: str) -> str:
+        """Write the config sections that stages, by name, depend on, as JSON for their command."""
+        names = {name for stage in stages for name in STAGES[stage].sections}
+        return as_json(**{name: getattr(self.campaign, name) for name in sorted(names)})
 
     @cache  # noqa: B019 - there is one campaign in a process
     def batch_count(self) -> int:
         """Return into how many batches the runs are divided, each simulated by a job of its own."""
         return batch_count(self.campaign, count_runs(self.campaign.experiment))
+
+    def is_one_job(self) -> bool:
+        """Return whether one job makes the runs and takes their bounds: in rounds, or of a campaign
+        of one batch that is not divided among processes."""
+        is_single = self.batch_count() == 1 and self.campaign.jobs.processes == 1
+        return self.campaign.experiment.is_adaptive or is_single
 
     @cache  # noqa: B019
     def minutes(self, batches: int = 1, plan_path: str | None = None) -> int:

@@ -17,7 +17,7 @@ from ..box import FEW, MOST_FULL, ROUNDING, is_general, keys
 from ..chebyshev import Formula, Surrogate, least_squares, polynomial, product_basis, total_degree
 from ..errors import IntervalError
 from ..estimates import power_mean
-from ..spline_equations import distinct, in_blocks, stands_alone
+from ..spline_equations import distinct, in_blocks, remember, stands_alone
 from ..splines import MAX_RUNS, Spline, check_spline_runs, fit_spline
 
 if TYPE_CHECKING:
@@ -45,7 +45,10 @@ class Kriging:
 
     def evaluate(self, points: np.ndarray) -> np.ndarray:
         """Values (P, 1) of the corrected polynomial at `points` (P, k) in [-1, 1]^k."""
-        rest = in_blocks(lambda x: _decay(x, self.points, self.length) @ self.weights, points)
+        count = len(self.points)
+        rest = in_blocks(
+            lambda x: _decay(x, self.points, self.length) @ self.weights, points, count
+        )
         return self.trend.evaluate(points) + rest
 
     def formula(self) -> Formula:
@@ -216,6 +219,7 @@ def level(values: np.ndarray) -> np.ndarray:
     return values if varies else np.where(np.isfinite(values), numbers.mean(), np.nan)
 
 
+@remember
 def choose_fit(points: np.ndarray, values: np.ndarray) -> Fit:
     """Fit the function with the least leave-one-out errors (root mean square) to values (N) of runs
     at `points` (N, k) in [-1, 1]^k; IntervalError without values, or if one is not finite. Tried

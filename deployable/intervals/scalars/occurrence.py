@@ -19,7 +19,7 @@ import scipy
 from ..box import FEW, is_general
 from ..chebyshev import Formula
 from ..designs import scan_points, spread_points
-from ..spline_equations import distinct, in_blocks, squares, stands_alone
+from ..spline_equations import distinct, in_blocks, remember, squares, stands_alone
 
 if TYPE_CHECKING:
     from .fits import Fit
@@ -157,12 +157,16 @@ class Occurrence:
         points = np.zeros((0, self.points.shape[1]))
         if not self.is_mixed:
             return points
-        trials = self._level_points(_LEVELS)
+        trials = self._trials
         gaps = scipy.spatial.cKDTree(self.points).query(trials)[0] if len(trials) else np.zeros(0)
         while len(points) < count and gaps.max(initial=0.0) > _LEAST:
             points = np.concatenate([points, trials[[gaps.argmax()]]])
             gaps = np.minimum(gaps, np.linalg.norm(trials - points[-1], axis=1))
         return points
+
+    @cached_property
+    def _trials(self) -> np.ndarray:
+        return self._level_points(_LEVELS)
 
     @cached_property
     def surface_points(self) -> np.ndarray:
@@ -203,7 +207,7 @@ class Occurrence:
         """Evaluate the smoothest function that separates the runs with the event from those
         without."""
         points, weights = self._support_vectors
-        return in_blocks(lambda block: matern(block, points) @ weights, x)
+        return in_blocks(lambda block: matern(block, points) @ weights, x, len(points))
 
     def formula(self) -> Formula:
         """Write the decision function (`decision`) as a table for other programs; only for an
@@ -269,6 +273,13 @@ class Occurrence:
             points = scan_points(free, _POINTS, seed=2, corners=False)
         points[:, ~free] = self.points[0, ~free]
         return points
+
+
+@remember
+def border_of_runs(points: np.ndarray, happens: np.ndarray) -> Occurrence:
+    """Return the `Occurrence` of runs at points (N, k), which is the same for the same runs, so
+    that quantities that exist in the same runs share what is computed of it."""
+    return Occurrence(points, happens)
 
 
 class NearestOccurrence(Occurrence):

@@ -13,7 +13,7 @@ import scipy
 from ..box import FEW
 from ..designs import scan_points
 from .fits import choose_fit
-from .occurrence import FittedOccurrence, NearestOccurrence, Occurrence
+from .occurrence import FittedOccurrence, NearestOccurrence, Occurrence, border_of_runs
 from .surrogate import ScalarSurrogate
 
 _LINES, _ON_LINE, _ON_ONE_LINE = 2048, 65, 4097
@@ -136,7 +136,7 @@ class Limit:
         if fit is None:
             return None
         by_fit = self.fitted_border
-        border, level = Occurrence(by_fit.points, by_fit.happens), by_fit.latest
+        border, level = border_of_runs(by_fit.points, by_fit.happens), by_fit.latest
         if not border.is_mixed:
             return None
         values, left_out = by_fit.fit.values, by_fit.fit.left_out
@@ -553,6 +553,14 @@ class Goal:
         value, point = self.surrogate.end(1.0 if self.kind == "upper" else -1.0, lower, upper)
         return value, point[None]
 
+    def forecast(self, points: np.ndarray) -> float:
+        """Value that the objective is no better than, from where its bound may be: `points`, (1, k)
+        or (2, k), in the box."""
+        values = self.surrogate.evaluate(points)
+        value = np.ptp(values) if self.kind == "width" else values[0]
+        can_tell = (self.sign > 0) == (self.kind != "lower") and np.isfinite(value)
+        return float(value) if can_tell else -self.sign * np.finfo(float).max
+
 
 @dataclass(frozen=True)
 class Choice:
@@ -626,6 +634,25 @@ class ChoiceProblem:
                 return None
         self._choices[values.tobytes()] = choice
         return choice
+
+    def _forecast(self, values: np.ndarray, best: Choice) -> Choice:
+        """Return a choice that is at least as good as that of `values` (c): judged only at the
+        places of its box that correspond to those that decide the choice `best`."""
+        (low, high), (lower, upper) = self.box(best.values), self.box(values)
+        scale = (upper - lower) / np.where(high > low, high - low, 1.0)
+
+        def move(points: np.ndarray) -> np.ndarray:
+            return np.clip(lower + (points - low) * scale, lower, upper)
+
+        goals = [
+            goal.forecast(move(points))
+            for goal, points in zip(self.goals, best.goal_points, strict=True)
+        ]
+        margins = [
+            limit.find_margins(limit.surrogate.evaluate(move(point[None])))[0]
+            for limit, point in zip(self.limits, best.worst, strict=True)
+        ]
+        return self.weigh(best, goals, margins)
 
     def weigh(
         self, choice: Choice, goals: Sequence | np.ndarray, margins: Sequence | np.ndarray
@@ -726,6 +753,7 @@ class ChoiceProblem:
             for offset in itertools.product(*[steps if free else [0.0] for free in wide]):
                 steps_away = reach * np.array(offset) * (ends[:, 1] - ends[:, 0])
                 point = np.clip(best.values + steps_away, ends[:, 0], ends[:, 1])
-                best = self._judge(point, rank, rank(best)) or best
+                if rank(self._forecast(point, best)) < rank(best):
+                    best = self._judge(point, rank, rank(best)) or best
             reach *= 0.45 if len(ends) == 1 else 0.6
         return best

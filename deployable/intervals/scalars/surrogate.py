@@ -16,7 +16,7 @@ from ..box import MOST_FULL
 from ..chebyshev import Formula
 from ..designs import spread_points
 from .fits import choose_fit, root_fit
-from .occurrence import FittedOccurrence, JointOccurrence, Occurrence
+from .occurrence import FittedOccurrence, JointOccurrence, Occurrence, border_of_runs
 
 _CANDIDATES = 1024
 _CLIMBS = 3
@@ -324,7 +324,7 @@ def _occurrence(
     latest: float | None,
     margin: np.ndarray | None,
 ) -> Occurrence:
-    by_runs = Occurrence(points, happens)
+    by_runs = border_of_runs(points, happens)
     if not by_runs.is_mixed:
         return by_runs
     borders = [by_runs]

@@ -15,7 +15,7 @@ MAX_DIMENSION = 60
 MOST_FULL = 8
 """Most parameters of which all corners are taken, and for which grids can be made."""
 
-FEW = 5
+FEW_PARAMETERS = 5
 """Most parameters of which runs that vary one or two at a time tell enough of the whole box."""
 
 _MOST_CORNERS = 256  # of a box of more parameters
@@ -102,9 +102,9 @@ class Box:
 
 
 def is_general(points: np.ndarray) -> np.ndarray:
-    """Mask (N) of points (N, k) in [-1, 1]^k that tell of the whole box: all, or of more than `FEW`
+    """Mask (N) of points (N, k) in [-1, 1]^k that tell of the whole box: all, or of more than `FEW_PARAMETERS`
     directions those that vary more than two at once, which those of grids do not."""
-    is_wide = (np.ptp(points, axis=0) > 0).sum() > FEW
+    is_wide = (np.ptp(points, axis=0) > 0).sum() > FEW_PARAMETERS
     return (points != 0).sum(axis=1) > (2 if is_wide else -1)
 
 

@@ -88,6 +88,9 @@ ROWS = {
     "another stands": (
         least(locked=["g"]), "4.7.5.3", EVERY,
         "partly analysed: met from 0 to 1.5 rad; g is held and not moved"),
+    "two others stand": (
+        least(locked=["f", "g"]), "4.7.5.3", EVERY,
+        "partly analysed: met from 0 to 1.5 rad; f, g are held and not moved"),
     "another moved that nothing couples": (
         least(openings=["h", "g"], apart=["g"]), "4.7.5.3", EVERY, "partly analysed: met from 0 to "
         "1.5 rad; nothing couples h and g, so that each needs a margin of its own"),
@@ -153,6 +156,8 @@ ROWS = {
     "first of two": (
         one(1, 2, ("happens", True), **TIME | {"places": OTHER}), "4.7.5.4.3", CATCH,
         "partly analysed: met for the first of latch a, latch b that latches"),
+    "no run misses": (
+        one(None, None, **MISS), "4.7.5.4.3", "first miss", "not analysed: no run misses"),
     "misses": (one(1, 2, **MISS), "4.7.5.4.3", "first miss", "not analysed: no quantity says"),
     # the rest
     "a shock": (one(1, 2, of="acceleration"), "4.8.2.11", "", "reported; no limit"),

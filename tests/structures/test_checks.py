@@ -261,5 +261,5 @@ def test_a_name_that_a_message_proposes_is_allowed(name, group):
     assert not Names(problems, {}).allows(name, "key", 1, group)
     with pytest.raises(StructureError) as error:
         problems.stop()
-    proposal = error.value.problems[0].text.partition("such as ")[2]
+    proposal = error.value.problems[0].text.partition("such as ")[2].partition(";")[0]
     assert Names(Problems(""), {}).allows(proposal or "n", "key", 1, group)

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import scipy
 
-from ..box import FEW, MOST_FULL, ROUNDING, is_general, keys
+from ..box import FEW_PARAMETERS, MOST_FULL, ROUNDING, is_general, keys
 from ..chebyshev import Formula, Surrogate, least_squares, polynomial, product_basis, total_degree
 from ..errors import IntervalError
 from ..estimates import power_mean
@@ -233,7 +233,7 @@ def choose_fit(points: np.ndarray, values: np.ndarray) -> Fit:
     points, values = points[rows], level(values[rows])
     directions = (np.ptp(points, axis=0) > 0).sum()
     spline = None if directions > MOST_FULL else _spline(points, values)
-    sparse = _sparse(points, values) if directions > FEW else None
+    sparse = _sparse(points, values) if directions > FEW_PARAMETERS else None
     fits = [fit for fit in (*_polynomials(points, values), spline, sparse) if fit]
     best = min(fits, key=lambda fit: fit.mean_error)
     rivals = [fit for fit in fits if (fit is spline) != (best is spline)]

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import scipy
 
-from ..box import FEW, is_general
+from ..box import FEW_PARAMETERS, is_general
 from ..chebyshev import Formula
 from ..designs import scan_points, spread_points
 from ..spline_equations import distinct, in_blocks, remember, squares, stands_alone
@@ -98,22 +98,22 @@ class Occurrence:
         runs show to be on the wrong side."""
         if not self.is_mixed:
             return np.zeros(len(points))
-        least = 2.0 * self._missed / self.open_fraction if self._missed else 0.0
+        least = 2.0 * self._missed_share / self.open_fraction if self._missed_share else 0.0
         return self.band(points) * max(min(1.0, _CONFIDENCE / np.sqrt(self.stretch_count)), least)
 
     @cached_property
-    def _missed(self) -> float:
+    def _missed_share(self) -> float:
         """Share of the box by which that with the event is wrong where folds of runs are left out,
         with 1.5 deviations: in many directions, where all stretches may err to one side."""
         count, free = len(self.points), int(self._free.sum())
         rows = np.flatnonzero(is_general(self.points) & stands_alone(self.points))
-        if free <= FEW or not len(rows):
+        if free <= FEW_PARAMETERS or not len(rows):
             return 0.0
         wrong, folds = np.zeros(count), np.arange(count) % _FOLDS
         for fold in range(_FOLDS):
             x, happens = self.points[folds != fold], self.happens[folds != fold]
-            found = Occurrence(x, happens, reach=self.reach).evaluate(self.points[folds == fold])
-            wrong[folds == fold] = found.astype(float) - self.happens[folds == fold]
+            sides = Occurrence(x, happens, reach=self.reach).evaluate(self.points[folds == fold])
+            wrong[folds == fold] = sides.astype(float) - self.happens[folds == fold]
         nearest = scipy.spatial.cKDTree(self.points[rows]).query(self._spread())[1]
         wrong = wrong[rows] * np.bincount(nearest, minlength=len(rows)) / _POINTS
         return float(np.hypot(wrong.sum(), _DEVIATIONS * np.linalg.norm(wrong)))

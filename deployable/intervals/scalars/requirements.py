@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import scipy
 
-from ..box import FEW
+from ..box import FEW_PARAMETERS
 from ..designs import scan_points
 from .fits import choose_fit
 from .occurrence import FittedOccurrence, NearestOccurrence, Occurrence, border_of_runs
@@ -145,7 +145,7 @@ class Limit:
         most = _CLEARLY * by_fit.open_fraction
         if is_wrong.sum() >= _LEAST_COUNT:
             most = max(most, _FACTOR * float(is_wrong @ border.cells))
-        is_wide = (np.ptp(fit.points, axis=0) > 0).sum() > FEW
+        is_wide = (np.ptp(fit.points, axis=0) > 0).sum() > FEW_PARAMETERS
         if border.open_fraction < most and not (
             is_wide and border.usual_open_fraction >= by_fit.usual_open_fraction
         ):

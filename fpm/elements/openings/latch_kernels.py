@@ -50,7 +50,7 @@ ANGLE_TOL = 1e-6
 AT_START = 1e-9
 """Openings (rad) beyond the reach that count as within it at the start of a run."""
 
-HELD = 1e-9
+HELD_RATE = 1e-9
 """Share of the rate before up to which a joint counts as held during the whole step."""
 
 AT_REST = 1e-12
@@ -118,7 +118,7 @@ def find_path(part, i, mean, free):
     change, free_change = (mean - last) * weight, (free - last) * weight
     rate, free_rate = mean - 0.5 * change, free - 0.5 * free_change
     turns = free_rate * (free_rate + free_change)
-    rests = absolute(mean) - HELD * absolute(last)
+    rests = absolute(mean) - HELD_RATE * absolute(last)
     rate = where_negative(rests, 0.0, where_negative(turns, free_rate, rate))
     change = where_negative(rests, 0.0, where_negative(turns, free_change, change))
     store(part.state, i, FIRST_RATE, rate)

@@ -102,8 +102,8 @@ class Box:
 
 
 def is_general(points: np.ndarray) -> np.ndarray:
-    """Mask (N) of points (N, k) in [-1, 1]^k that tell of the whole box: all, or of more than `FEW_PARAMETERS`
-    directions those that vary more than two at once, which those of grids do not."""
+    """Mask (N) of points (N, k) in [-1, 1]^k that tell of the whole box: all, or those that vary
+    more than two at once, which grids do not have, with more than `FEW_PARAMETERS` directions."""
     is_wide = (np.ptp(points, axis=0) > 0).sum() > FEW_PARAMETERS
     return (points != 0).sum(axis=1) > (2 if is_wide else -1)
 

@@ -22,6 +22,5 @@ CONFIG = {
     "choose": {
         "parameters": {"k": [0.09, 0.12]},
         "maximise": "lower(t_open)",
-        "order": 3,
     },
 }

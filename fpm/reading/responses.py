@@ -34,7 +34,7 @@ def kind_of(key: str, definition: Any, kinds: Mapping[str, Any], addition: str =
     unknown_keys = [entry for entry in definition if entry not in {name, *mandatory, *optional}]
     if unknown_keys or not definition.keys() >= {*mandatory}:
         allowed = " and ".join(filter(None, (name, ", ".join(mandatory))))
-        allowed += f", perhaps with {', '.join(optional)}" if optional else ""
+        allowed += f", and optionally {', '.join(optional)}" if optional else ""
         allowed += "" if mandatory or optional else " alone"
         if {"unit", "units"} & {*unknown_keys}:
             allowed += ", in the SI unit of its kind: leave the unit out"

@@ -37,7 +37,7 @@ def least(lower=0.2, upper=0.4, limits=(), error=0.01, **of_it):
 
 
 def one(lower, upper, stated=(), units="1", doubt="", **of_it):
-    """A quantity `q`, perhaps with a limit: its kind, level, and how it is met."""
+    """A quantity `q`, and optionally a limit: its kind, level, and how it is met."""
     rows = [required("r", limit("q", *stated))] if stated else []
     more = {"doubt": doubt} if doubt else {}
     return [quantity("q", lower, upper, units, **more)], rows, [number("q", **of_it)], {}

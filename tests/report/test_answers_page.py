@@ -80,7 +80,7 @@ def test_an_end_that_no_run_reached_is_not_told_as_one_that_did(opened):
     assert "predicted" not in render(opened).split("</style>")[1]
     row = row | {"predicted_ends": ["lower"], "lower": row["lower"] - 0.01}
     data = replace(opened, facts=opened.facts | {"quantities": [row]})
-    told = " at 1.858 to 1.964 s (`t_open`; lower end predicted)."
+    told = " at 1.858 to 1.964 s (`t_open`; lower end predicted, not simulated)."
     assert told in sentence("ranges", data.facts)
     page = render(data).replace("\N{NO-BREAK SPACE}", " ")
     assert 'class="range predicted"' in page and "Lower end predicted, a run gives 1.868" in page

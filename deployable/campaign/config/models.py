@@ -153,7 +153,7 @@ class IntervalSpec:
 
 OneInterval = Annotated[IntervalSpec, Rule(
     "a mapping such as `{relative: 0.1}`, `{absolute: 2}` or "
-    "`{lower: 1, upper: 3}`, perhaps with `nominal`")]  # fmt: skip
+    "`{lower: 1, upper: 3}`, and optionally `nominal`")]  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,12 @@ from deployable.campaign.answers.discretization import (
     estimate_discretization_errors,
     estimate_fraction_errors,
 )
-from deployable.campaign.answers.limits import LimitSpec, assess_limits
+from deployable.campaign.answers.limits import (
+    LimitAssessment,
+    LimitSpec,
+    _combine,
+    assess_limits,
+)
 from deployable.campaign.answers.quantity_bounds import _turning_points, converge_bounds
 from deployable.campaign.plan.plan import RunAccount
 from deployable.campaign.text.numbers import interval
@@ -509,3 +514,25 @@ def test_where_turns_of_several_parameters_meet_there_is_a_run():
     assert [0.43, 0.1, 0.0] in points and [0.0, 0.1, -0.2] in points
     assert [0.43, 0.1, -0.2] in points and [0.43, 0.1, 0.5] in points
     assert [0.43, 1.0, -0.2] in points and [0.43, -1.0, 0.5] in points
+
+
+def test_a_halved_tolerance_that_leaves_a_limit_within_its_error_leaves_its_share_open():
+    """t = x of x, y in [-1, 1]² with t <= 1.05 ± 0.1: only half of x gives more room than that."""
+    points = scan_points(np.ones(2, dtype=bool), 25)
+    limit = Limit(fit_scalar(points, points[:, 0]), "at_most", 1.05, run_error=0.1)
+    spec = LimitSpec("r", 0, "at_most", 1.05)
+    corner = np.ones(2)
+    result = LimitAssessment(
+        [spec], [limit], 1.05 - points[None, :, 0], [limit.worst(-corner, corner)],
+        (1.0, None, None), None,
+    )  # fmt: skip
+    box = Box(["x", "y"], [-1.0, -1.0], [1.0, 1.0])
+    model = SimpleNamespace(
+        experiment=SimpleNamespace(box=box, quantity_list=[SimpleNamespace(always_exists=True)]),
+        nominal=np.zeros(2), points=points, distinct_rows=np.arange(len(points)), rest_count=0,
+        failed_points=np.zeros((0, 2)),
+    )  # fmt: skip
+    halved = _combine(model, result, {(0,): (1.0, 0.0)})["halved"]
+    assert halved["x"]["share"] == halved["y"]["share"] == 1.0
+    assert halved["x"]["share_uncertainty"] == 0.0
+    assert halved["y"]["share_uncertainty"] == pytest.approx(3 / len(points))

@@ -132,16 +132,20 @@ def assess_limits(
     return LimitAssessment(specs, limits, margins, worst, largest, failure_point, doubt)
 
 
-def is_shown(model: ModelEvaluator, result: LimitAssessment, i: int) -> bool:
+def is_shown(
+    model: ModelEvaluator, result: LimitAssessment, i: int, worst: float | None = None
+) -> bool:
     """Return whether limit `i` (index) of an assessment, broken in no run, surely holds in the
-    whole box: its margin exceeds the estimated errors, and, if the quantity may be absent, the
-    event margin (how far a run is from losing or gaining it), fitted over the box, keeps its sign
-    by more than its error. False where that margin is not known: runs prove nothing between them;
-    True for a box without width. model: has the runs; result: the assessment."""
+    whole box, or in the part in which its least margin is `worst`: it exceeds the estimated errors,
+    and, if the quantity may be absent, the event margin (how far a run is from losing or gaining
+    it), fitted over the box, keeps its sign by more than its error. False where that margin is not
+    known: runs prove nothing between them; True for a box without width. model: has the runs;
+    result: the assessment."""
     limit, q = result.limits[i], result.specs[i].quantity
     if not model.experiment.box.free.any():
         return True
-    if limit.kind != "happens" and not result.worst[i][0] >= limit.error:
+    worst = result.worst[i][0] if worst is None else worst
+    if limit.kind != "happens" and not worst >= limit.error:
         return False
     sign = -1 if limit.kind == "happens" and not limit.level else 1
     always_exists = model.experiment.quantity_list[q].always_exists
@@ -307,14 +311,19 @@ def _limit(model: ModelEvaluator, result: LimitAssessment, i: int) -> dict:
         margin, point = float(runs.min()), model.points[runs.argmin()]
     error = number(result.limits[i].error)
     fields: dict[str, Any] = {"margin": number(margin), "error": error, "kept": bool(margin >= 0)}
-    free, halved = model.experiment.box.free.astype(float), {}
-    for j in np.flatnonzero(free):
-        middle = np.where(np.arange(len(free)) == j, model.nominal, 0.0)
-        size = np.where(np.arange(len(free)) == j, 0.5, 1.0) * free
-        worst, _ = result.limits[i].worst(middle / 2 - size, middle / 2 + size)
-        halved[model.experiment.box.names[j]] = number(worst)
-    fields["halved"] = halved
+    fields["halved"] = {
+        model.experiment.box.names[j]: number(_worst_of_half(model, result, i, j))
+        for j in np.flatnonzero(model.experiment.box.free)
+    }
     return {**describe_limit(model, spec), **fields, **model.describe_point(point, spec.quantity)}
+
+
+def _worst_of_half(model: ModelEvaluator, result: LimitAssessment, i: int, j: Any) -> float:
+    """Return the least margin of limit `i` where the interval of index `j` is half as wide."""
+    free = model.experiment.box.free.astype(float)
+    middle = np.where(np.arange(len(free)) == j, model.nominal, 0.0)
+    size = np.where(np.arange(len(free)) == j, 0.5, 1.0) * free
+    return result.limits[i].worst(middle / 2 - size, middle / 2 + size)[0]
 
 
 def _combine(model: ModelEvaluator, result: LimitAssessment, shares: _Shares) -> dict:
@@ -327,6 +336,14 @@ def _combine(model: ModelEvaluator, result: LimitAssessment, shares: _Shares) ->
     box, row["halved"] = model.experiment.box, {}
     for j in np.flatnonzero(box.free):  # what meets all if one interval were half as wide
         half = find_halving(result.limits, box.free, model.nominal, int(j))._asdict()
+        worst = [_worst_of_half(model, result, i, j) for i in range(len(result.specs))]
+        if any(
+            0 <= worst[i] < result.limits[i].error
+            or (result.margins[i].min() >= 0 and not is_shown(model, result, i, worst[i]))
+            for i in range(len(result.specs))
+        ):  # as of the whole box: what so many runs miss is not excluded
+            bound = min(1.0, _RULE_OF_THREE / row["runs"])
+            half["share_uncertainty"] = max(half["share_uncertainty"], bound)
         if row["share_uncertainty"] >= 1:
             half |= {"share_uncertainty": 1.0, "gain_uncertainty": 1.0}
         row["halved"][box.names[j]] = half

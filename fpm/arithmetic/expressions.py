@@ -18,7 +18,17 @@ from typing import Any
 
 import numpy as np
 
-from fpm.arithmetic.units import BARE, CHAIN, NUMBER, Dimension, Unit, power, product, unit
+from fpm.arithmetic.units import (
+    BARE,
+    CHAIN,
+    NUMBER,
+    Dimension,
+    Unit,
+    UnitError,
+    power,
+    product,
+    unit,
+)
 from fpm.errors import number_hint
 
 LONGEST = 500
@@ -131,10 +141,7 @@ class Expression:
         except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
             if isinstance(error, ExpressionError):
                 raise
-            hint = number_hint(text)
-            if text.count("(") != text.count(")"):
-                hint = " (in brackets, put an expression with a comma into quotes or under `let`)"
-            raise ExpressionError(f"not arithmetic{hint or f'; allowed: {ALLOWED}'}") from None
+            raise ExpressionError(_fault(text)) from None
 
     @cached_property
     def bare(self) -> bool:
@@ -342,6 +349,27 @@ def _common_dimension(values: Sequence[Dimension], verb: str) -> Dimension:
     if len({(*dimension.powers, dimension.vector) for dimension in values}) > 1:
         raise ExpressionError(f"{' and '.join(sorted({str(d) for d in values}))} cannot be {verb}")
     return min(values, key=lambda dimension: dimension.bare)
+
+
+_NUMBER_AND_WORD = re.compile(r"(?<![\w.])([\d.]+(?:[eE][-+]?\d+)?)(\s*)([A-Za-z_]\w*)")
+
+
+def _fault(text: str) -> str:
+    """Say why a text is not arithmetic, and what may be meant."""
+    if hint := number_hint(text):
+        return f"not arithmetic{hint}"
+    if text.count("(") != text.count(")"):
+        sign = ")" if text.count("(") > text.count(")") else "("
+        remedy = "put an expression with a comma into quotes or under `let`"
+        return f"not arithmetic (a bracket {sign} is missing; {remedy})"
+    if match := _NUMBER_AND_WORD.search(text):
+        try:
+            unit(match[3])
+        except UnitError as error:
+            if match[2] or "did you mean" in str(error):
+                return str(error)
+            return f"not arithmetic (did you mean {match[1]}*{match[3]}?)"
+    return f"not arithmetic; allowed: {ALLOWED}"
 
 
 def _join_names(node: ast.AST) -> str:

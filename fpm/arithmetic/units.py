@@ -144,7 +144,8 @@ def unit(text: str) -> Unit:
             is_other = re.fullmatch(rf"(?:{_NAME})[A-Z]\w*", word) or len(word) < 3
             is_foreign = is_other and word.lower() not in map(str.lower, NAMES)
             guess = "" if is_foreign else did_you_mean(word, NAMES)
-            hint = f" (did you mean {' '.join(parts)}?)" if parts else guess
+            whole = text.strip().replace(word, " ".join(parts))
+            hint = f" (did you mean {whole}?)" if parts else guess
             if parts[1:] and parts[0] == "m":  # `m J` would be metres times joules
                 hint = f" (m is the metre: write milli as 1e-3 {' '.join(parts[1:])})"
             raise UnitError(

@@ -299,6 +299,7 @@ def _moment(key: str, instant: object, quantities: Mapping[str, Quantity]) -> Qu
     if not isinstance(instant, str):
         return NumberLimits(unit="s").check(key, instant)
     if instant not in times:
-        allowed = f"a time (s), or one of the quantities that are times: {', '.join(times)}"
+        allowed = "a time (s), or a quantity that is a time"
+        allowed += f": {', '.join(times)}" if times else ", of which there is none yet"
         raise SceneError(key, instant, allowed)
     return quantities[instant]

@@ -97,10 +97,16 @@ def simulate(
     readings: into how many parts the time between two instants is divided to read `peaks`; 0: none
         are read.
     peaks: quantities with a `peak_column`, which outcomes get."""
-    scenes = [scenes] if isinstance(scenes, Scene | str) else list(scenes)
+    scenes = (
+        list(scenes) if isinstance(scenes, Sequence) and not isinstance(scenes, str) else [scenes]
+    )
     for scene in scenes:
         if not isinstance(scene, Scene):
-            raise SceneError("scenes", scene, "a scene, as structures.load(path).build() makes one")
+            raise SceneError(
+                "scenes",
+                type(scene).__name__,
+                "a scene, as structures.load(path).build() makes one",
+            )
     if not scenes:
         return []
     record = tuple(dict.fromkeys(record))

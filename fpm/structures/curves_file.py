@@ -121,8 +121,8 @@ class CsvTable:
         if all(map(_DIGITS.fullmatch, self._cells(rows[0][1]))):  # names may stand in a comment
             lines_above = [line for line in all_lines[: rows[0][0] - 1] if line[1].strip(" \t;,")]
             if not lines_above:
-                text = "no line of names with units stands above the numbers"
-                self.refuse(rows[0][0], f"{text}; allowed: such as {EXAMPLE}")
+                text = "no line of names with units stands above the numbers; allowed: such as "
+                self.refuse(rows[0][0], text + (EXAMPLE if has_time else "`k [N m/rad],m [kg]`"))
             rows.insert(0, (lines_above[-1][0], lines_above[-1][1].strip().lstrip("#%!/ ")))
         self.head, self.head_line = rows.pop(0)
         self.separator = separator or self._separator(self.head_line)

@@ -64,6 +64,9 @@ def read_text(path: str | Path) -> str:
     except (OSError, ValueError) as error:
         damage = error.reason if isinstance(error, DamagedError) else ""
         reason = damage or getattr(error, "strerror", None) or str(error)
+        if isinstance(error, UnicodeDecodeError):
+            line = error.object.count(b"\n", 0, error.start) + 1
+            reason = f"line {line} is no text in UTF-8; allowed: a YAML file, saved as UTF-8"
         reason += search_hint(path) if isinstance(error, FileNotFoundError) else ""
         if "\n" in str(path):
             lines, path = len(str(path).splitlines()), str(path).splitlines()[0]
@@ -212,8 +215,8 @@ _NOT_YAML = (  # what PyYAML says, whether it is where that begins, and what to 
     ("flow", True, "the bracket that opens here is not closed, a comma is missing behind it, or an "
      "expression with brackets lacks quotes"),
     ("quoted", True, "the quotes that open here are not closed"),
-    ("not allowed here", False, "a colon too many; allowed: one behind each key, and text with a "
-     "colon in quotes"),
+    ("not allowed here", False, "a colon too many; allowed: one key on each line, what belongs to "
+     "it indented below, and text with a colon in quotes"),
     ("block", False, "this is indented otherwise than what it belongs to, lacks a colon, or begins "
      "with [ and lacks quotes"),
     ("cannot start|alias", False, "nothing begins with this sign; allowed: text in quotes"),
@@ -235,6 +238,8 @@ def _why_not_yaml(error: Exception, text: str) -> tuple[int, str]:
     if "colon" in words and line < len(lines):
         indent = re.sub(r"[^ -].*", "", lines[line], flags=re.S)
         previous = max([n for n in range(1, line) if lines[n].strip()], default=line)
+        if key := re.fullmatch(r"[ -]*(\w+):[^\s/].*", lines[previous]):
+            return previous, f"this is not YAML: a space is missing behind `{key[1]}:`"
         numbers = (previous, line) if "too many" in words else (line,)
         for number in numbers:  # a key and its value without a colon between
             key = re.fullmatch(rf"{indent}(\w+)(| +[^:#]*| *[{{\[].*)", lines[number])

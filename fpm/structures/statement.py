@@ -216,7 +216,9 @@ def _statement(kinds: Mapping[str, Statement], node: Node, place: Place) -> Stat
     """Return the group's kind to which an entry belongs."""
     type_node, key = node.entries.get("type"), f"{place.key}.type"
     if type_node is None:
-        place.problems.say(node.line, f"{key}: missing; allowed: {commas(kinds)}")
+        typo = likely("type", node.entries)
+        hint = f" (is `{typo}` meant to be `type`?)" if typo else ""
+        place.problems.say(node.line, f"{key}: missing{hint}; allowed: {commas(kinds)}")
     elif type_node.text not in kinds:
         allowed = f"is not allowed{did_you_mean(type_node.text, kinds)}; allowed: {commas(kinds)}"
         place.problems.say(type_node.line, f"{key}: {type_node.text!r} {allowed}")

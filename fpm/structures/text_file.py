@@ -211,6 +211,9 @@ def loads(text: str, source: str = "structure") -> SceneType:
     """Return the structure (SceneType) in the text of a YAML file. source: name of the text in
     messages. Raises StructureError, which lists all that is wrong with it."""
     problems = Problems(source)
+    if Path(text).suffix in (".yaml", ".yml") and "\n" not in text:
+        problems.say(0, f"{text!r} is a path, not the text of a file: use `structures.load`")
+        problems.stop()
     return build_type(read(text, problems), problems)
 
 

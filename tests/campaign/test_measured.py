@@ -73,6 +73,7 @@ def test_curves_that_cannot_be_used_are_told_with_file_and_line(raw, curves, wor
         ({"file": "absent.csv"}, "measured.swing.file: absent.csv: No such file"),
         ({"columns": {"angle": "psi"}}, "measured.swing.columns.angle: there is no such response"),
         ({"band": {}}, "measured.swing.band.phi: phi has no band"),
+        ({"band": {"angle": 0.1}}, "measured.swing.band.angle: a band is named after its response"),
         ({"band": {"phi": 0.0}}, "measured.swing.band.phi: 0.0 is not allowed; allowed: a number"),
         ({"model": {"psi": 1.0}}, "measured.swing.model.psi: there is no such response"),
         ({"unknown": {"delay": [1, 0]}}, "measured.swing.unknown.delay: [1.0, 0.0] is not allowed"),
@@ -170,6 +171,13 @@ def test_units_of_the_file_do_not_matter_and_its_band_may_be_a_column(raw):
     other = read_test(check_config(raw).measured["swing"])
     for name in ("times", "values", "bands"):
         assert getattr(other, name) == pytest.approx(getattr(curves, name), rel=1e-12)
+
+
+def test_a_column_may_have_the_name_of_its_response(raw):
+    file = Path(raw["measured"]["swing"]["file"])
+    file.write_text(file.read_text().replace("angle", "phi"))
+    raw["measured"]["swing"]["columns"] = {"phi": "phi"}
+    assert check_config(raw).measured["swing"].columns == {"phi": "phi"}
 
 
 def test_a_file_that_changed_makes_the_answers_stale_and_is_not_taken(raw):

@@ -305,7 +305,7 @@ def test_what_does_not_happen_is_no_number():
         ({"crossing": "x", "level": 1, "way": "up"}, "one of rising"),
         ({"crossing": "x", "level": 1, "number": 0}, "from 1 to 10000"),
         ({"settling": "x", "within": 0}, "above 0"),
-        ({"value": "x", "at": "later"}, "quantities that are times"),
+        ({"value": "x", "at": "later"}, "a quantity that is a time"),
         ({"event": "close"}, "did you mean closes"),
         ({"event": "closes", "of": "B"}, "one of contact A, contact C"),
     ],

@@ -159,9 +159,21 @@ def test_units_are_spelt_as_netcdf_has_them():
     assert {text: unit(text).udunits for text in spelt} == spelt
 
 
+FAULTS = {
+    "70 Gpa": r"'Gpa' is not a unit \(did you mean GPa", "2L": r"did you mean 2\*L",
+    "L*sin(x": r"a bracket \) is missing",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("text", FAULTS)
+def test_a_fault_of_an_expression_is_named(text):
+    with pytest.raises(ExpressionError, match=FAULTS[text]):
+        parse(text)
+
+
 @pytest.mark.parametrize(("text", "guess"), [
-    ("Nm", "N m"), ("mpa", "MPa"), ("degrees", "deg"), ("KN", "kN"), ("degF", ""), ("mV", ""),
-    ("mi", ""), ("kΩ", ""),
+    ("Nm", "N m"), ("Nm/rad", "N m/rad"), ("mpa", "MPa"), ("degrees", "deg"), ("KN", "kN"),
+    ("degF", ""), ("mV", ""), ("mi", ""), ("kΩ", ""),
 ])  # fmt: skip
 def test_unknown_units_are_refused_and_no_unit_of_other_things_is_proposed(text, guess):
     hint = rf" \(did you mean {guess}\?\)" if guess else ""

@@ -181,6 +181,8 @@ def _compare(options: argparse.Namespace) -> int:
     from deployable.campaign.results.compare import compare
     from deployable.campaign.results.figures import overlay
 
+    if options.html and options.html.suffix not in (".html", ".htm"):
+        raise CampaignError(f"--html {options.html}; allowed: the name of a page, such as all.html")
     (facts, _), (page_facts, curves) = (
         compare(options.folders, is_shown) for is_shown in (False, True)
     )

@@ -52,10 +52,14 @@ def resolve_tests(
 def _test_problems(test: MeasuredTest, file: CurvesFile, experiment: Experiment) -> Iterator[str]:
     curves = {curve.name: curve for curve in experiment.response_list if curve.kind != "margin"}
     columns = [name for name in (*file.columns, *file.faults) if not name.endswith(_BAND)]
-    if test.columns.keys() <= curves.keys() and {*test.columns.values()} <= {*columns}:
+    keys, names = {*test.columns}, {*test.columns.values()}
+    is_swapped = keys <= {*curves} and names <= {*columns}
+    if is_swapped and not (keys <= {*columns} and names <= {*curves}):
         pairs = ", ".join(f"{column}: {response}" for response, column in test.columns.items())
         yield f"columns: a column of the file comes first, then its response; allowed: {{{pairs}}}"
         return
+    wrong_names = {x for x, response in test.columns.items() if x in test.band and x != response}
+    wrong_names -= {*test.columns.values()}
     for column, response in test.columns.items():
         band = column + _BAND
         if fault := file.faults.get(column) or file.faults.get(band):
@@ -68,6 +72,8 @@ def _test_problems(test: MeasuredTest, file: CurvesFile, experiment: Experiment)
             dimension, symbol = file.units[column].dimension, curves[response].unit
             text = f"{test.file} has {dimension}, which does not fit {response}"
             yield f"columns.{column}: {text}; allowed: a unit that fits {symbol}"
+        elif column in wrong_names:
+            yield f"band.{column}: a band is named after its response; allowed: {response}"
         elif (has_column := band in file.columns) == (response in test.band):
             text = "has two bands" if has_column else "has no band"
             yield f"band.{response}: {response} {text}; allowed: one here or as {band}"
@@ -82,7 +88,7 @@ def _test_problems(test: MeasuredTest, file: CurvesFile, experiment: Experiment)
         yield f"columns: {response} stands twice; allowed: each response once"
     for key in ("band", "model", "unknown.offset", "unknown.gain"):
         names = getattr(test, key) if "." not in key else getattr(test.unknown, key[8:])
-        for name in set(names) - set(responses):
+        for name in set(names) - {*responses, *(wrong_names if key == "band" else ())}:
             yield f"{key}.{name}: {unknown(name, 'response in columns', responses)}"
     yield from _instant_problems(test, file, experiment.solver.duration)
     yield from _value_problems(test, experiment)

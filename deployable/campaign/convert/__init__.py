@@ -90,7 +90,8 @@ class Draft:
             xml = ElementTree.parse(path).getroot()
             self.xml = xml if xml.tag == "robot" else ElementTree.fromstring(spec.to_xml())
         except (ValueError, OSError, ElementTree.ParseError) as error:
-            raise CampaignError(f"{path}: MuJoCo cannot read it: {error}") from None
+            remedy = "; allowed: bodies with `inertial`" * ("mass and inertia" in str(error))
+            raise CampaignError(f"{path}: MuJoCo cannot read it: {error}{remedy}") from None
         keys = [m.key(i).name for i in range(m.nkey)]
         if keyframe and keyframe not in keys:
             allowed = ", ".join(keys) or "none, as the model has no keyframe"
@@ -377,6 +378,8 @@ def convert(path: Path, target: Path, keyframe: str = "") -> list[str]:
     if not path.is_file() or path.suffix in (".yaml", ".yml"):
         fault = "it is a YAML file, no model" if path.is_file() else "there is no such file"
         raise CampaignError(f"{path}: {fault}; allowed: a model, .xml (MJCF) or .urdf")
+    if path.suffix in (".xacro", ".sdf"):
+        raise CampaignError(f"{path}; allowed: a model, .xml (MJCF) or .urdf, as `xacro` makes one")
     draft = Draft(path, keyframe)
     draft.add_bodies()
     draft.add_joints()

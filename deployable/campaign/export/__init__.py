@@ -12,6 +12,7 @@ from deployable.campaign.export.vtk import write_vtk
 from deployable.campaign.files import check_results
 from deployable.campaign.pictures.animation import write_moving
 from deployable.campaign.pictures.glb import write_glb
+from fpm.errors import did_you_mean
 
 
 class ExportFormat(NamedTuple):
@@ -66,9 +67,9 @@ def export(
     run: SelectedRun, kind: str, folder: str | Path, frames: int | None = None, colour: str = "bars"
 ) -> list[Path]:
     """Simulate a run, write it in one format, and return the paths of the files to open: of a
-    ParaView collection the .pvd alone, of figures the PDF files. Raises `CampaignError` if the
-    format has no such colour, `frames` is below 1, or the run fails, and `DamagedError` if results
-    of the run's campaign are damaged.
+    ParaView collection the .pvd alone, of figures the PDF files. Raises `CampaignError` if there is
+    no such format, it has no such colour, `frames` is below 1, or the run fails, and `DamagedError`
+    if results of the run's campaign are damaged.
 
     Parameters
     ----------
@@ -79,6 +80,9 @@ def export(
         mjcf need none.
     colour: by what moving pictures (gif, webp, mp4) are coloured: ``bars``, each in its colour, or
         ``stress``, equivalent stress."""
+    if kind not in FORMATS:
+        hint = did_you_mean(kind, FORMATS)
+        raise CampaignError(f"{kind!r} is no format{hint}; allowed: {', '.join(FORMATS)}")
     form = FORMATS[kind]
     if colour != "bars" and kind not in MOVIES:
         raise CampaignError(f"--colour {colour} is not for {kind}; allowed: {', '.join(MOVIES)}")

@@ -285,7 +285,8 @@ def _judge_runs(
     runs = len(model.distinct_rows) + model.rest_count + len(model.failed_points)
     # What so many runs in any places miss with a chance of 5 % is not excluded.
     bound = min(1.0, _RULE_OF_THREE / runs)
-    if any(result.margins[i].min() >= 0 and not is_shown(model, result, i) for i in indices):
+    is_open = (result.margins[i].min() >= 0 and not is_shown(model, result, i) for i in indices)
+    if len(model.failed_points) or any(is_open):
         open_ = max(open_, bound)
     row = {"share": fraction, "share_uncertainty": open_, "runs": runs}
     if is_met.all() and not len(model.failed_points):
@@ -337,7 +338,7 @@ def _combine(model: ModelEvaluator, result: LimitAssessment, shares: _Shares) ->
     for j in np.flatnonzero(box.free):  # what meets all if one interval were half as wide
         half = find_halving(result.limits, box.free, model.nominal, int(j))._asdict()
         worst = [_worst_of_half(model, result, i, j) for i in range(len(result.specs))]
-        if any(
+        if len(model.failed_points) or any(
             0 <= worst[i] < result.limits[i].error
             or (result.margins[i].min() >= 0 and not is_shown(model, result, i, worst[i]))
             for i in range(len(result.specs))

@@ -18,12 +18,9 @@ FEWEST = 20
 WIDEST = 10.0
 """Half width of an interval by its nominal value above which the unit is hardly meant."""
 
-LONGEST = 2.0
-"""Time that a requirement allows, by the duration of the runs, above which it says nothing."""
-
 LARGEST = 100.0
 """Length that a requirement states, by the structure's extent, and end of a curve, by that of the
-runs, above which the same holds."""
+runs, above which it says nothing."""
 
 SPARSEST = 30.0
 """Second time of a curve, by the duration of the runs, above which the same holds."""
@@ -61,7 +58,7 @@ def requirement_warnings(campaign: Any) -> list[str]:
                 verdict = "no run can break it" if is_sure else "it asks only that it happens"
             texts.append(f"{key}: {limit:g}, but {quantity.name} is never below {least:g}, so that "
                          f"{verdict}: take another limit")  # fmt: skip
-        elif quantity.is_time and limit > duration * (1 if end == "at_least" else LONGEST):
+        elif quantity.is_time and limit > duration:
             verdict = "none can meet it" if end == "at_least" else "all where it happens meet it"
             texts.append(f"{key}: {limit:g} s, but runs end at {duration:g} s, so that {verdict}: "
                          "take a longer solver.duration, or another limit")  # fmt: skip

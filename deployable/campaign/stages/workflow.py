@@ -172,14 +172,15 @@ class Workflow:
         names = ["summary.json", "summary.md", *(n for s in last for n in s.leaves(self.campaign))]
         return [str(self.folder / name) for name in names]
 
-    def answer(self) -> list[str]:
+    def answer(self, figures: bool = True) -> list[str]:
         """Return the campaign's answer, which is `summary.md` up to its first section, and, where
-        there is a page, a text that tells to open it; [] without a summary."""
+        there is a page that `figures` kept up to date, a text that tells to open it; [] without a
+        summary."""
         summary, report = self.folder / "summary.md", self.folder.report
         if not summary.exists():
             return []
         text = unseal(summary).decode().partition("\n## ")[0].strip() + "\n"
-        return [text, *([f"Open {report}"] if report.exists() else [])]
+        return [text, *([f"Open {report}"] if figures and report.exists() else [])]
 
 
 def run(
@@ -274,7 +275,7 @@ def _run(workflow: Workflow, stale: Mapping[str, str], figures: bool, notify: No
     # would not have.
     is_alone = isinstance(notify, MessagePrinter) and threading.active_count() == 1
     list(spread(_stage, last, (os.cpu_count() or 1) if is_alone else 1))
-    for text in workflow.answer():
+    for text in workflow.answer(figures):
         notify(text)
 
 

@@ -308,6 +308,7 @@ CASES = {
         ("trust", together(share=0.995, share_uncertainty=0.02)),
         ("trust", facts(unseen_from=0.64)),
         ("trust", together(met="all", share=1.0, share_uncertainty=0.0)),
+        ("trust", together(met="none", share=0.0, share_uncertainty=0.0)),
         ("trust", facts(responses=[curve(grade="unknown")])),
         ("trust", facts(responses=[LARGE | {"undivided_from": 3.7}])),
         ("trust", facts(responses=[LARGE | {"along": {

@@ -563,6 +563,7 @@ def settling(x: np.ndarray) -> np.ndarray:
 
 SHAPES = {
     "kinks": (3, lambda x: x.max(axis=1), 0.7, 12),
+    "kinks that meet at corners": (2, lambda x: np.abs(x).max(axis=1), 0.55, 90),
     "a jump": (2, lambda x: np.where(x.sum(axis=1) > 0.3, 1.0, 0.0) + 0.05 * x[:, 0], 0.5, 18),
     "a level just below a plateau": (4, settling, 0.9999, 30),
     "powers of eight numbers": (8, lambda x: (x**4).sum(axis=1), 2.0, 20),

@@ -313,8 +313,7 @@ def _find_deciding_points(
         points += [assessment.doubt] if spare > 0 else []
         points += [*border.infill_points(_FAILURE_POINTS if has_borders and spare > _SPARE else 0)]
     for limit in assessment.limits[: len(specs)] if has_borders else []:
-        border = limit.border
-        if border is not None and not isinstance(border, FittedOccurrence):
+        if (border := limit.run_border) is not None:
             is_open = border.open_fraction > _MIN_FRACTION
             points += list(border.infill_points(_SURFACE if is_open else 0))
         elif limit.surrogate.fit is not None:

@@ -10,7 +10,6 @@ from typing import Any, NamedTuple
 import numpy as np
 import scipy
 
-from ..box import FEW_PARAMETERS
 from ..designs import scan_points
 from .fits import choose_fit
 from .occurrence import FittedOccurrence, NearestOccurrence, Occurrence, border_of_runs
@@ -128,12 +127,24 @@ class Limit:
     @cached_property
     def border(self) -> Any:
         """The border between where the level is kept and where not, if the fit of values does not
-        give it: by the fit of their logarithms, where that leaves less open; or by runs alone where
-        that leaves less of the box open than the fit does, or than the volume next to runs whose
-        side the fit to all others tells wrongly, as beside steps, plateaus and jumps; in many
-        directions, where one run in a corner says little, also less than by the usual errors."""
-        fit = self.surrogate.fit
+        give it: that of the runs alone (`run_border`) where it leaves shares less uncertain than
+        the fit does, or that by the fit of logarithms (`fitted_border`)."""
+        border, fit = self.run_border, self.surrogate.fit
         if fit is None:
+            return None
+        by_fit = self.fitted_border
+        if border is not None and border.usual_open_fraction < by_fit.usual_open_fraction:
+            return NearestOccurrence(border.points, border.happens) if self.is_rival else border
+        if by_fit.fit is fit or not by_fit.is_mixed:
+            return None
+        return replace(by_fit, fit=by_fit.fit.rival or by_fit.fit) if self.is_rival else by_fit
+
+    @cached_property
+    def run_border(self) -> Occurrence | None:
+        """The border by runs alone, about which further runs are made, where that leaves less of
+        the box open than the fit of values does, or than the volume next to runs whose side the fit
+        to all others tells wrongly, as beside steps, plateaus and jumps; None elsewhere."""
+        if self.surrogate.fit is None:
             return None
         by_fit = self.fitted_border
         border, level = border_of_runs(by_fit.points, by_fit.happens), by_fit.latest
@@ -145,14 +156,7 @@ class Limit:
         most = _CLEARLY * by_fit.open_fraction
         if is_wrong.sum() >= _LEAST_COUNT:
             most = max(most, _FACTOR * float(is_wrong @ border.cells))
-        is_wide = (np.ptp(fit.points, axis=0) > 0).sum() > FEW_PARAMETERS
-        if border.open_fraction < most and not (
-            is_wide and border.usual_open_fraction >= by_fit.usual_open_fraction
-        ):
-            return NearestOccurrence(border.points, border.happens) if self.is_rival else border
-        if by_fit.fit is fit:
-            return None
-        return replace(by_fit, fit=by_fit.fit.rival or by_fit.fit) if self.is_rival else by_fit
+        return border if border.open_fraction < most else None
 
     @cached_property
     def fitted_border(self) -> FittedOccurrence:

@@ -180,7 +180,7 @@ def test_a_spline_through_the_papers_runs_gives_what_the_readme_says(changed):
 @pytest.mark.slow
 def test_few_runs_of_the_scan_reach_nearly_as_far_as_all(fewer):
     """The README's differences of 10,000 runs, of which no part can reach further."""
-    assert "a scan of 10,000 runs 0.0617 m and 4.20 m/s" in written("README.md")
+    assert "A scan of 10,000 runs gives 0.0617 m and 4.20 m/s" in written("README.md")
     found = fewer("scan")
     for response, told, digit in ((found.BD, 0.0617, 1e-4), (found.vBz, 4.20, 1e-2)):
         assert 0.99 * told < response.largest_difference < told + digit

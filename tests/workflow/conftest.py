@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fcntl
 import json
 import os
 import shutil
@@ -95,9 +96,18 @@ def workplace(tmp_path, ready) -> Workplace:
 
 @pytest.fixture(scope="session")
 def small(tmp_path_factory, ready) -> Workplace:
-    """A workplace in which the small campaign was run; tests must not change its results."""
-    place = Workplace(tmp_path_factory.mktemp("small"), ready)
-    done = place.snakemake("--configfile", "config/small.yaml")
-    assert done.returncode == 0, done.stdout
-    place.output = done.stdout
+    """A workplace in which the small campaign was run, once for all processes: the others have a
+    copy. Tests must not change its results."""
+    place, base = Workplace(tmp_path_factory.mktemp("small"), ready), tmp_path_factory.getbasetemp()
+    made = (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "made"
+    with open(made.with_suffix(".lock"), "w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not made.exists():
+            done = place.snakemake("--configfile", "config/small.yaml")
+            assert done.returncode == 0, done.stdout
+            shutil.copytree(place.folder, made, symlinks=True)
+            (made / "output.txt").write_text(done.stdout, encoding="utf-8")
+    for name in ("results", ".snakemake"):
+        shutil.copytree(made / name, place.folder / name, dirs_exist_ok=True)
+    place.output = (made / "output.txt").read_text(encoding="utf-8")
     return place

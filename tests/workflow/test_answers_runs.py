@@ -29,7 +29,6 @@ requirements:
 choose:
   parameters: {k: [0.09, 0.11]}
   minimise: upper(t_open)
-  order: 2
 """
 ANSWERS = ("quantities.nc", "requirements.json", "choice.json")
 

@@ -141,7 +141,7 @@ def test_a_module_takes_the_config_of_the_including_workflow(tmp_path, place_in)
     (own.folder / "Snakefile").write_text(text, encoding="utf-8")
     asked = own.snakemake(*SEEN, "--config", "solver={duration: 0.01}")
     assert asked.returncode == 0, asked.stdout
-    assert "bounds_simulate" in asked.stdout
+    assert "bounds_bounds" in asked.stdout
     assert '"duration":0.01,"instants":41' in asked.stdout
     assert '"E":{"lower":990000000.0' in asked.stdout
     (own.folder / "mine.yaml").write_text(MINE.replace("1e9", "-1e9"), encoding="utf-8")

@@ -167,7 +167,7 @@ def _stage_seconds(campaign: Campaign) -> dict[str, float]:
     times["rounds"] += ROUNDS * fit
     times["bounds"] += fit
     times["answers"] += QUANTITY * quantities + LIMIT * limits + TEST * len(campaign.measured)
-    times["answers"] += CHOICE * len(choose.parameters) * searches * goals * (goals + limits)
+    times["answers"] += CHOICE * len(choose.parameters) * searches * (goals + limits)
     times["figures"] += DRAWING * responses + RANGE * quantities
     times["page"] += RANGE * (responses + quantities)
     return times

@@ -2,7 +2,7 @@
 
 import math
 
-from fpm.elements.joints.joint_arrays import BRAKE, FREE_RATE, HOLDS, RATE, SOLVED_IMPULSE, TARGET
+from fpm.elements.joints.joint_arrays import BRAKE, HOLDS, RATE, SOLVED_IMPULSE, TARGET
 from fpm.elements.joints.turn_kernels import (
     begin_loss,
     end_work,
@@ -60,9 +60,14 @@ def prepare(part, world, timing):
 
 @kernel
 def predict(part, i, timing):
-    """Return the joint coordinate (rad; m) of latch i at the end of this step, as last solved."""
-    rate = load(part.turns.state, part.turn[i], RATE)
-    return load(part.openings.angles, part.hinge[i], NEW) + timing.step * rate
+    """Return the joint coordinate (rad; m) of latch i at the end of this step, as last solved;
+    where it is held, that at which it is, without the error of the solution."""
+    state, h = part.turns.state, part.hinge[i]
+    end = load(part.openings.angles, h, NEW) + timing.step * load(state, part.turn[i], RATE)
+    for t in range(part.turns.hinge.shape[0]):
+        if part.turns.hinge[t] == h:
+            end = where_negative(load(state, t, HOLDS), load(state, t, TARGET), end)
+    return end
 
 
 @hook(Latches)
@@ -78,9 +83,9 @@ def decide(part, world, timing):
         find_catch_impulse(part, world, timing, i)
         start, prediction = load(part.state, i, SEARCH_END), predict(part, i, timing)
         store(part.state, i, PREDICTION, prediction)
-        turns, t = part.turns.state, part.turn[i]
+        turns = part.turns.state
         mean = (prediction - start) * (1.0 / timing.step)
-        latch.find_path(part, i, mean, mean + load(turns, t, FREE_RATE) - load(turns, t, RATE))
+        latch.find_path(part, i, mean)
         store(part.state, i, BRAKE_MOMENT, 0.0 * mean)
         for neighbour in range(part.turns.hinge.shape[0]):
             if part.turns.hinge[neighbour] == part.hinge[i]:

@@ -65,7 +65,7 @@ def test_a_latch_catches_a_joint_that_turns_back_within_a_step(case, stiffness):
     """Time, place, rate; of an exact one the impact, and in the first step all of the energy."""
     *motion, latch, exact = CASES[case]
     scene = loads(cart(*motion, latch + stiffness)).build()
-    for step in (0.025, 0.0125, 0.005, 0.004, *((0.001,) if exact is None else ())):
+    for step in (0.025, 0.0125, 0.005, 0.004, BACK, *((0.001,) if exact is None else ())):
         (outcome,) = fpm.simulate(scene, duration=80 * step, instants=17, step=step)
         events = outcome.events[outcome.events[:, 2] == 0]
         if exact is None:
@@ -82,7 +82,7 @@ def test_a_latch_catches_a_joint_that_turns_back_within_a_step(case, stiffness):
                 words = {"latch_impact": name, "component": "signed"}
                 found = parse("p", words, outcome.scene).evaluate(outcome)
                 assert found[-1] == pytest.approx(-impact, abs=1e-9)
-                assert found.min() >= min(-1.1 * impact, 0) - 1e-9, "also before it is known"
+                assert np.abs(found[found != 0] + impact).max(initial=0) < 1e-9
         if time < step:
             loss = motion[0] ** 2 / 2 + motion[1] * place
             assert outcome.energies["joint_loss"][-1] == pytest.approx(loss, abs=1e-9)

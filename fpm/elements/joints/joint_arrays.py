@@ -66,7 +66,9 @@ SOLVED_IMPULSE = 4  # the same as the joints were solved last
 FREE_RATE = 5  # RATE as the joints were solved first in this step
 IS_NEW_STEP = 6  # 1 until then
 BRAKE = 7  # moment (N m) with which friction slips or, where it turned in this step, will slip
-TURN = 8
+STOPPED_RATE = 8  # by which a stop in this step changes the rate (rad/s); 0: none
+STOP_IMPULSE = 9  # the impulse that this takes (N m s), with what else stops
+TURN = 10
 
 GAP, TILT = 0, 1  # watched, and recorded: the same places as of hinges, which share a kernel
 

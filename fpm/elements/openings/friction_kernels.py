@@ -6,7 +6,14 @@ import numpy as np
 
 from fpm.elements.joints.closure import mean_force
 from fpm.elements.joints.joint_arrays import BRAKE as TURN_BRAKE
-from fpm.elements.joints.joint_arrays import HOLDS, RATE, SOLVED_IMPULSE, TARGET, Turns
+from fpm.elements.joints.joint_arrays import (
+    HOLDS,
+    RATE,
+    SOLVED_IMPULSE,
+    STOPPED_RATE,
+    TARGET,
+    Turns,
+)
 from fpm.elements.joints.turn_kernels import (
     HOLD_MOMENT,
     add_late_moment,
@@ -336,6 +343,10 @@ def change(part, world, timing, i, slips, turns, sticks):
     store(part.state, i, SIGN, where_negative(slips, -sign, where_negative(turns, -old, old)))
     hold = where_negative(slips, 1.0, load(part.turns.state, t, HOLDS))
     store(part.turns.state, t, HOLDS, where_negative(sticks, -1.0, hold))
+    if timing.time == 0.0:
+        stop = load(part.turns.state, t, STOPPED_RATE)
+        stop = where_negative(sticks, load(part.rates, i, LAST), stop)
+        store(part.turns.state, t, STOPPED_RATE, stop)
     target = load(part.openings.angles, h, NEW) + old * path
     target = where_negative(turns, target, load(part.turns.state, t, TARGET))
     store(part.turns.state, t, TARGET, target)
@@ -358,4 +369,4 @@ def work_after(part, world, timing):
         add_late_moment(part.openings.moments, part.openings, part.hinge[i], late_moment)
         end_work_of(part, world, i, moment, WORKS, -1.0)
         if timing.time == 0.0:
-            begin_loss(part, world, timing, i, moment, late_moment, WORKS)
+            begin_loss(part, world, timing, i, moment, WORKS)

@@ -44,6 +44,7 @@ def prepare(part, world, timing):
         store(part.turns.state, t, joint.TURN_IMPULSE, 0.0)
         store(part.turns.state, t, joint.IS_NEW_STEP, 1.0)
         store(part.turns.state, t, joint.STOPPED_RATE, 0.0)
+        store(part.turns.state, t, joint.FIRST_CHANGE, 0.0)
 
 
 @hook(Joints)
@@ -52,7 +53,8 @@ def solve(part, world, timing):
     find_rows(part, world.state)
     build(part)
     factorise(part)
-    find_stops(part)
+    find_stops(part, joint.STOPPED_RATE, joint.STOP_IMPULSE)
+    find_stops(part, joint.FIRST_CHANGE, joint.FIRST_IMPULSE)
     find_rates(part, world.state)
     for t in range(part.turn_at.shape[0]):
         j = part.turn_at[t]
@@ -67,22 +69,22 @@ def solve(part, world, timing):
 
 
 @kernel
-def find_stops(part):
-    """Store in part.turns.state the impulses (STOP_IMPULSE, N m s) that change the rates of joint
-    coordinates which come to a stop by STOPPED_RATE, and no other rate of a condition."""
+def find_stops(part, rate, impulse):
+    """Store in field `impulse` of part.turns.state the impulses (N m s) that change the rates of
+    held joint coordinates by those in field `rate` (rad/s), and no other rate of a condition."""
     rows, turns, is_any = part.rows, part.turns.state, False
     for t in range(part.turn_at.shape[0]):
-        is_any = is_any or any_negative(-1.0 * absolute(load(turns, t, joint.STOPPED_RATE)))
+        is_any = is_any or any_negative(-1.0 * absolute(load(turns, t, rate)))
     if is_any:
         for r in range(rows.shape[0]):
             store(rows, r, joint.IMPULSE, 0.0)
         for t in range(part.turn_at.shape[0]):
             r = part.pattern.first[part.turn_at[t]]
-            store(rows, r, joint.IMPULSE, load(turns, t, joint.STOPPED_RATE))
+            store(rows, r, joint.IMPULSE, load(turns, t, rate))
         substitute(part)
         for t in range(part.turn_at.shape[0]):
             r = part.pattern.first[part.turn_at[t]]
-            store(turns, t, joint.STOP_IMPULSE, load(rows, r, joint.IMPULSE))
+            store(turns, t, impulse, load(rows, r, joint.IMPULSE))
 
 
 @kernel

@@ -2,7 +2,15 @@
 
 import math
 
-from fpm.elements.joints.joint_arrays import BRAKE, HOLDS, RATE, STOP_IMPULSE, STOPPED_RATE, TARGET
+from fpm.elements.joints.joint_arrays import (
+    BRAKE,
+    FIRST_CHANGE,
+    HOLDS,
+    RATE,
+    STOP_IMPULSE,
+    STOPPED_RATE,
+    TARGET,
+)
 from fpm.elements.joints.turn_kernels import begin_loss, end_work, moment_of, register_losses
 from fpm.elements.openings import latch_kernels as latch
 from fpm.elements.openings.latch_kernels import (
@@ -168,8 +176,7 @@ def hold_first(part, world, timing, s):
             continue
         if part.turns.state[t, HOLDS, s] < 0:
             end_impact(part, i, s)
-            if timing.time > 0.0:
-                part.turns.state[t, STOPPED_RATE, s] = 0.0
+            part.turns.state[t, STOPPED_RATE, s] = 0.0
             continue
         if part.state[i, latch.NEWS, s] > 0.0 and time > first + SAME_TIME * timing.step:
             part.state[i, latch.IS_CAUGHT, s] = part.state[i, latch.NEWS, s] = 0.0
@@ -177,7 +184,11 @@ def hold_first(part, world, timing, s):
             part.turns.state[t, HOLDS, s] = LATCH_HOLD
             part.turns.state[t, TARGET, s] = part.state[i, latch.HOLD_ANGLE, s]
             rate = part.state[i, latch.CATCH_RATE, s]
-            part.turns.state[t, STOPPED_RATE, s] = rate if rate != 0.0 else part.rates[i, LAST, s]
+            part.turns.state[t, STOPPED_RATE, s] = rate
+            if timing.time == 0.0:
+                angles, hold = part.openings.angles, part.state[i, latch.HOLD_ANGLE, s]
+                mean = (hold - angles[part.hinge[i], NEW, s]) / timing.step
+                part.turns.state[t, FIRST_CHANGE, s] = mean - part.rates[i, LAST, s]
             if rate == 0.0:
                 part.state[i, AGE, s] = KNOWN_AGE  # no impact
             part.turns.impact[0, 0, s] = share

@@ -5,7 +5,7 @@ the trapezium rule it does half of its work on the way to the positions at which
 on the way from there, as all other moments do (losses_kernels.add_loss)."""
 
 from fpm.elements.joints.closure import mean_force
-from fpm.elements.joints.joint_arrays import HOLDS, RATE, STOP_IMPULSE, STOPPED_RATE, TURN_IMPULSE
+from fpm.elements.joints.joint_arrays import FIRST_CHANGE, FIRST_IMPULSE, HOLDS, RATE, TURN_IMPULSE
 from fpm.elements.openings.losses_kernels import RATE as START_RATE
 from fpm.elements.openings.opening_kernels import MOMENT as OPENING_MOMENT
 from fpm.elements.openings.opening_kernels import NEW, OLD, WORK
@@ -134,8 +134,7 @@ def begin_loss(part, world, timing, i, moment, first):
     loss = 0.5 * change * moment / mean_force(world, timing)
     loss = where_negative(loss, 0.0, loss)
     loss = where_negative(is_latched(part.turns, part.hinge[i], t), 0.0, loss)
-    stopped = load(turns, t, STOPPED_RATE)
-    is_stop = where_negative(load(turns, t, HOLDS), -1.0 * absolute(stopped), 1.0)
-    inertia = load(turns, t, STOP_IMPULSE) / where_negative(is_stop, stopped, 1.0)
-    whole = 0.5 * load(world.resistance, 0, 0) * inertia * change * change
-    store(part.state, i, first + WORK_DUE, where_negative(is_stop, whole, loss))
+    whole = 0.5 * change * load(world.resistance, 0, 0) * load(turns, t, FIRST_IMPULSE)
+    stops = -1.0 * absolute(load(turns, t, FIRST_CHANGE))
+    stops = where_negative(load(turns, t, HOLDS), stops, 1.0)
+    store(part.state, i, first + WORK_DUE, where_negative(stops, whole, loss))

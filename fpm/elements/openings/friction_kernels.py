@@ -7,10 +7,10 @@ import numpy as np
 from fpm.elements.joints.closure import mean_force
 from fpm.elements.joints.joint_arrays import BRAKE as TURN_BRAKE
 from fpm.elements.joints.joint_arrays import (
+    FIRST_CHANGE,
     HOLDS,
     RATE,
     SOLVED_IMPULSE,
-    STOPPED_RATE,
     TARGET,
     Turns,
 )
@@ -343,13 +343,14 @@ def change(part, world, timing, i, slips, turns, sticks):
     store(part.state, i, SIGN, where_negative(slips, -sign, where_negative(turns, -old, old)))
     hold = where_negative(slips, 1.0, load(part.turns.state, t, HOLDS))
     store(part.turns.state, t, HOLDS, where_negative(sticks, -1.0, hold))
-    if timing.time == 0.0:
-        stop = load(part.turns.state, t, STOPPED_RATE)
-        stop = where_negative(sticks, load(part.rates, i, LAST), stop)
-        store(part.turns.state, t, STOPPED_RATE, stop)
     target = load(part.openings.angles, h, NEW) + old * path
     target = where_negative(turns, target, load(part.turns.state, t, TARGET))
     store(part.turns.state, t, TARGET, target)
+    if timing.time == 0.0:
+        mean = (target - load(part.openings.angles, h, NEW)) * (1.0 / timing.step)
+        stop = load(part.turns.state, t, FIRST_CHANGE)
+        stop = where_negative(sticks, mean - load(part.rates, i, LAST), stop)
+        store(part.turns.state, t, FIRST_CHANGE, stop)
     is_change = where_negative(slips, -1.0, where_negative(turns, -1.0, sticks))
     changes, full = load(part.state, i, CHANGES_LEFT), load(part.turns.state, t, TURN_BRAKE)
     store(part.state, i, CHANGES_LEFT, where_negative(is_change, changes - 1.0, changes))

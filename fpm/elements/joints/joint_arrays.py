@@ -66,7 +66,11 @@ SOLVED_IMPULSE = 4  # the same as the joints were solved last
 FREE_RATE = 5  # RATE as the joints were solved first in this step
 IS_NEW_STEP = 6  # 1 until then
 BRAKE = 7  # moment (N m) with which friction slips or, where it turned in this step, will slip
-TURN = 8
+STOPPED_RATE = 8  # at which a latch has just caught in this step (rad/s); 0: none
+STOP_IMPULSE = 9  # the impulse that takes it away (N m s)
+FIRST_CHANGE = 10  # of the rate in the first step, in which the opening stops (rad/s); 0: none
+FIRST_IMPULSE = 11  # and the impulse for that (N m s)
+TURN = 12
 
 GAP, TILT = 0, 1  # watched, and recorded: the same places as of hinges, which share a kernel
 

@@ -14,7 +14,7 @@ from fpm.elements.joints.joint_matrix import build, factorise, substitute
 from fpm.elements.joints.joint_rows import find_gaps, find_rows, place
 from fpm.elements.openings.opening_kernels import NEW
 from fpm.kernels.hooks import hook
-from fpm.kernels.lanes import any_negative, load, store, where_negative
+from fpm.kernels.lanes import absolute, any_negative, load, store, where_negative
 from fpm.kernels.layout import ACCOUNTS, F, M, P, V, X
 from fpm.kernels.rotation import frame, half_turn, turn_frame
 from fpm.kernels.vectors import (
@@ -43,6 +43,8 @@ def prepare(part, world, timing):
     for t in range(part.turn_at.shape[0]):
         store(part.turns.state, t, joint.TURN_IMPULSE, 0.0)
         store(part.turns.state, t, joint.IS_NEW_STEP, 1.0)
+        store(part.turns.state, t, joint.STOPPED_RATE, 0.0)
+        store(part.turns.state, t, joint.FIRST_CHANGE, 0.0)
 
 
 @hook(Joints)
@@ -51,6 +53,8 @@ def solve(part, world, timing):
     find_rows(part, world.state)
     build(part)
     factorise(part)
+    find_stops(part, joint.STOPPED_RATE, joint.STOP_IMPULSE)
+    find_stops(part, joint.FIRST_CHANGE, joint.FIRST_IMPULSE)
     find_rates(part, world.state)
     for t in range(part.turn_at.shape[0]):
         j = part.turn_at[t]
@@ -62,6 +66,25 @@ def solve(part, world, timing):
     find_impulses(part, -1.0)
     if part.turn_at.shape[0] > 0:
         store_rates(part, world.state)
+
+
+@kernel
+def find_stops(part, rate, impulse):
+    """Store in field `impulse` of part.turns.state the impulses (N m s) that change the rates of
+    held joint coordinates by those in field `rate` (rad/s), and no other rate of a condition."""
+    rows, turns, is_any = part.rows, part.turns.state, False
+    for t in range(part.turn_at.shape[0]):
+        is_any = is_any or any_negative(-1.0 * absolute(load(turns, t, rate)))
+    if is_any:
+        for r in range(rows.shape[0]):
+            store(rows, r, joint.IMPULSE, 0.0)
+        for t in range(part.turn_at.shape[0]):
+            r = part.pattern.first[part.turn_at[t]]
+            store(rows, r, joint.IMPULSE, load(turns, t, rate))
+        substitute(part)
+        for t in range(part.turn_at.shape[0]):
+            r = part.pattern.first[part.turn_at[t]]
+            store(turns, t, impulse, load(rows, r, joint.IMPULSE))
 
 
 @kernel

@@ -2,13 +2,16 @@
 
 import math
 
-from fpm.elements.joints.joint_arrays import BRAKE, FREE_RATE, HOLDS, RATE, SOLVED_IMPULSE, TARGET
-from fpm.elements.joints.turn_kernels import (
-    begin_loss,
-    end_work,
-    moment_of,
-    register_losses,
+from fpm.elements.joints.joint_arrays import (
+    BRAKE,
+    FIRST_CHANGE,
+    HOLDS,
+    RATE,
+    STOP_IMPULSE,
+    STOPPED_RATE,
+    TARGET,
 )
+from fpm.elements.joints.turn_kernels import begin_loss, end_work, moment_of, register_losses
 from fpm.elements.openings import latch_kernels as latch
 from fpm.elements.openings.latch_kernels import (
     AGE,
@@ -16,7 +19,6 @@ from fpm.elements.openings.latch_kernels import (
     CATCH_IMPULSE,
     CHANGE,
     FIRST_RATE,
-    FREE_END,
     IMPACT,
     LEAD,
     PREDICTION,
@@ -29,7 +31,7 @@ from fpm.elements.openings.losses_kernels import RATE as LAST
 from fpm.elements.openings.losses_kernels import half_rate
 from fpm.elements.openings.opening_kernels import NEW
 from fpm.kernels.hooks import hook
-from fpm.kernels.lanes import any_negative, load, store, where_negative
+from fpm.kernels.lanes import absolute, any_negative, load, store, where_negative
 from fpm.kernels.vectors import kernel
 
 SAME_TIME = 1e-9
@@ -60,9 +62,14 @@ def prepare(part, world, timing):
 
 @kernel
 def predict(part, i, timing):
-    """Return the joint coordinate (rad; m) of latch i at the end of this step, as last solved."""
-    rate = load(part.turns.state, part.turn[i], RATE)
-    return load(part.openings.angles, part.hinge[i], NEW) + timing.step * rate
+    """Return the joint coordinate (rad; m) of latch i at the end of this step, as last solved;
+    where it is held, that at which it is, without the error of the solution."""
+    state, h = part.turns.state, part.hinge[i]
+    end = load(part.openings.angles, h, NEW) + timing.step * load(state, part.turn[i], RATE)
+    for t in range(part.turns.hinge.shape[0]):
+        if part.turns.hinge[t] == h:
+            end = where_negative(load(state, t, HOLDS), load(state, t, TARGET), end)
+    return end
 
 
 @hook(Latches)
@@ -75,12 +82,12 @@ def decide(part, world, timing):
     for i in range(part.hinge.shape[0]):
         if part.turn[i] < 0:
             continue
-        find_catch_impulse(part, world, timing, i)
+        find_catch_impulse(part, world, i)
         start, prediction = load(part.state, i, SEARCH_END), predict(part, i, timing)
         store(part.state, i, PREDICTION, prediction)
-        turns, t = part.turns.state, part.turn[i]
+        turns = part.turns.state
         mean = (prediction - start) * (1.0 / timing.step)
-        latch.find_path(part, i, mean, mean + load(turns, t, FREE_RATE) - load(turns, t, RATE))
+        latch.find_path(part, i, mean)
         store(part.state, i, BRAKE_MOMENT, 0.0 * mean)
         for neighbour in range(part.turns.hinge.shape[0]):
             if part.turns.hinge[neighbour] == part.hinge[i]:
@@ -117,25 +124,15 @@ def search(part, i, s, timing):
 
 
 @kernel
-def find_catch_impulse(part, world, timing, i):
-    """Store the impulse (N m s) by which latch i stopped its joint coordinate, in the samples where
-    it is the last that caught in this step: that of the last solution, times the rate at the catch
-    over the mean rate that it took away. part: Latches; world: World; timing: StepTime (s)."""
-    if any_negative(0.5 - load(part.state, i, latch.NEWS)):
-        for s in range(part.state.shape[2]):
-            change = part.state[i, FREE_END, s] - part.state[i, latch.HOLD_ANGLE, s]
-            distance = part.state[i, latch.CATCH_RATE, s] * timing.step
-            is_held = part.turns.state[part.turn[i], HOLDS, s] < 0.0
-            is_new = part.state[i, AGE, s] == 0.0 and part.state[i, CATCH_IMPULSE, s] == 0.0
-            if is_held and is_new and abs(change) > 1e-6 * abs(distance):
-                impulse = distance / change * solved_impulse(part, world, i, s)
-                part.state[i, CATCH_IMPULSE, s] = impulse
-
-
-@kernel
-def solved_impulse(part, world, i, s):
-    """Return the impulse (N m s) of latch i of sample s as the joints were last solved."""
-    return world.resistance[0, 0, s] * part.turns.state[part.turn[i], SOLVED_IMPULSE, s]
+def find_catch_impulse(part, world, i):
+    """Store the impulse (N m s) by which latch i stopped its joint coordinate, where it is the last
+    that caught in this step. part: Latches; world: World."""
+    turns, impulse = part.turns.state, load(part.state, i, CATCH_IMPULSE)
+    stop = load(turns, part.turn[i], STOPPED_RATE) * load(part.state, i, latch.CATCH_RATE)
+    is_new = -1.0 * load(part.state, i, AGE) - absolute(impulse)
+    is_new = where_negative(is_new, 1.0, -1.0 * absolute(stop))
+    new = -1.0 * load(world.resistance, 0, 0) * load(turns, part.turn[i], STOP_IMPULSE)
+    store(part.state, i, CATCH_IMPULSE, where_negative(is_new, new, impulse))
 
 
 @kernel
@@ -150,14 +147,12 @@ def is_alone(part, i, s):
 
 
 @kernel
-def end_impact(part, world, i, s):
+def end_impact(part, i, s):
     """Take the impulse (N m s) of latch i of sample s, if it has just caught, as known, before
     another one catches."""
     if part.state[i, latch.IS_CAUGHT, s] > 0.0 and part.state[i, AGE, s] < 3.5:
-        impulse = part.state[i, CATCH_IMPULSE, s]
-        if impulse == 0.0:
-            impulse = part.state[i, IMPACT, s] + solved_impulse(part, world, i, s)
-        part.state[i, IMPACT, s], part.state[i, AGE, s] = impulse, KNOWN_AGE
+        part.state[i, IMPACT, s] = part.state[i, CATCH_IMPULSE, s]
+        part.state[i, AGE, s] = KNOWN_AGE
 
 
 @kernel
@@ -180,15 +175,21 @@ def hold_first(part, world, timing, s):
         if t < 0:
             continue
         if part.turns.state[t, HOLDS, s] < 0:
-            end_impact(part, world, i, s)
+            end_impact(part, i, s)
+            part.turns.state[t, STOPPED_RATE, s] = 0.0
             continue
         if part.state[i, latch.NEWS, s] > 0.0 and time > first + SAME_TIME * timing.step:
             part.state[i, latch.IS_CAUGHT, s] = part.state[i, latch.NEWS, s] = 0.0
         if part.state[i, latch.IS_CAUGHT, s] > 0.0 and is_alone(part, i, s):
             part.turns.state[t, HOLDS, s] = LATCH_HOLD
             part.turns.state[t, TARGET, s] = part.state[i, latch.HOLD_ANGLE, s]
-            part.state[i, FREE_END, s] = part.state[i, PREDICTION, s]
-            if part.state[i, latch.CATCH_RATE, s] == 0.0:
+            rate = part.state[i, latch.CATCH_RATE, s]
+            part.turns.state[t, STOPPED_RATE, s] = rate
+            if timing.time == 0.0:
+                angles, hold = part.openings.angles, part.state[i, latch.HOLD_ANGLE, s]
+                mean = (hold - angles[part.hinge[i], NEW, s]) / timing.step
+                part.turns.state[t, FIRST_CHANGE, s] = mean - part.rates[i, LAST, s]
+            if rate == 0.0:
                 part.state[i, AGE, s] = KNOWN_AGE  # no impact
             part.turns.impact[0, 0, s] = share
             world.undecided[0] = 1
@@ -228,7 +229,7 @@ def work_after(part, world, timing):
             continue
         moment = moment_of(part.turns, part.turn[i], timing, world)
         if timing.time == 0.0:
-            begin_loss(part, world, timing, i, moment, moment, WORKS)
+            begin_loss(part, world, timing, i, moment, WORKS)
         impulse = timing.kick * moment
         store(part.state, i, latch.MOMENT, moment)
         store(part.state, i, latch.IMPULSE, load(part.state, i, latch.IMPULSE) + impulse)

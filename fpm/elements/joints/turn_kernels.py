@@ -4,9 +4,8 @@ The impulse of a step is known when all else is; its moment is that by the lengt
 the trapezium rule it does half of its work on the way to the positions at which it acts, and half
 on the way from there, as all other moments do (losses_kernels.add_loss)."""
 
-from fpm.elements.cables.cable_kernels import TINY
 from fpm.elements.joints.closure import mean_force
-from fpm.elements.joints.joint_arrays import FREE_RATE, HOLDS, RATE, TURN_IMPULSE
+from fpm.elements.joints.joint_arrays import FIRST_CHANGE, FIRST_IMPULSE, HOLDS, RATE, TURN_IMPULSE
 from fpm.elements.openings.losses_kernels import RATE as START_RATE
 from fpm.elements.openings.opening_kernels import MOMENT as OPENING_MOMENT
 from fpm.elements.openings.opening_kernels import NEW, OLD, WORK
@@ -124,22 +123,18 @@ def is_latched(turns, h, t):
 
 
 @kernel
-def begin_loss(part, world, timing, i, moment, solved_moment, first):
+def begin_loss(part, world, timing, i, moment, first):
     """Store as WORK_DUE of element i the energy (J) that its `moment` (N m) takes in the first kick
     beyond its work by the mean rate after it: half of its impulse times the change of the rate. By
     just that the kinetic energy of velocities reflected about the start (`reflect`) is too small,
-    which a stop within the first step makes most of it. Where a hold changed the rate, its part of
-    the moment, `solved_moment` (N m), tells the inertia; with that the energy is that of all that
-    changed the rate, weight, loads and dampers too."""
+    which a stop within the first step makes most of it. There the impulse is all that changes the
+    rate, of weight, loads and dampers too."""
     turns, t = part.turns.state, part.turn[i]
-    rate, free = load(turns, t, RATE), load(turns, t, FREE_RATE)
-    change = rate - load(part.rates, i, START_RATE)
+    change = load(turns, t, RATE) - load(part.rates, i, START_RATE)
     loss = 0.5 * change * moment / mean_force(world, timing)
     loss = where_negative(loss, 0.0, loss)
-    by_hold = rate - free
-    is_small = absolute(by_hold) - 1e-6 * absolute(change) - TINY
-    whole = 0.5 * change * change * solved_moment / mean_force(world, timing)
-    whole = whole / where_negative(is_small, 1.0, by_hold)
-    is_held = where_negative(load(turns, t, HOLDS), -1.0, is_latched(part.turns, part.hinge[i], t))
-    whole = where_negative(is_small, loss, whole)
-    store(part.state, i, first + WORK_DUE, where_negative(is_held, whole, loss))
+    loss = where_negative(is_latched(part.turns, part.hinge[i], t), 0.0, loss)
+    whole = 0.5 * change * load(world.resistance, 0, 0) * load(turns, t, FIRST_IMPULSE)
+    stops = -1.0 * absolute(load(turns, t, FIRST_CHANGE))
+    stops = where_negative(load(turns, t, HOLDS), stops, 1.0)
+    store(part.state, i, first + WORK_DUE, where_negative(stops, whole, loss))

@@ -6,7 +6,14 @@ import numpy as np
 
 from fpm.elements.joints.closure import mean_force
 from fpm.elements.joints.joint_arrays import BRAKE as TURN_BRAKE
-from fpm.elements.joints.joint_arrays import HOLDS, RATE, SOLVED_IMPULSE, TARGET, Turns
+from fpm.elements.joints.joint_arrays import (
+    FIRST_CHANGE,
+    HOLDS,
+    RATE,
+    SOLVED_IMPULSE,
+    TARGET,
+    Turns,
+)
 from fpm.elements.joints.turn_kernels import (
     HOLD_MOMENT,
     add_late_moment,
@@ -339,6 +346,11 @@ def change(part, world, timing, i, slips, turns, sticks):
     target = load(part.openings.angles, h, NEW) + old * path
     target = where_negative(turns, target, load(part.turns.state, t, TARGET))
     store(part.turns.state, t, TARGET, target)
+    if timing.time == 0.0:
+        mean = (target - load(part.openings.angles, h, NEW)) * (1.0 / timing.step)
+        stop = load(part.turns.state, t, FIRST_CHANGE)
+        stop = where_negative(sticks, mean - load(part.rates, i, LAST), stop)
+        store(part.turns.state, t, FIRST_CHANGE, stop)
     is_change = where_negative(slips, -1.0, where_negative(turns, -1.0, sticks))
     changes, full = load(part.state, i, CHANGES_LEFT), load(part.turns.state, t, TURN_BRAKE)
     store(part.state, i, CHANGES_LEFT, where_negative(is_change, changes - 1.0, changes))
@@ -358,4 +370,4 @@ def work_after(part, world, timing):
         add_late_moment(part.openings.moments, part.openings, part.hinge[i], late_moment)
         end_work_of(part, world, i, moment, WORKS, -1.0)
         if timing.time == 0.0:
-            begin_loss(part, world, timing, i, moment, late_moment, WORKS)
+            begin_loss(part, world, timing, i, moment, WORKS)

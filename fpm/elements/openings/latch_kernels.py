@@ -6,7 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fpm.elements.joints.joint_arrays import FREE_RATE, Turns
+from fpm.elements.joints.joint_arrays import FREE_RATE, HOLDS, Turns
+from fpm.elements.joints.joint_arrays import RATE as SOLVED_RATE
 from fpm.elements.openings.losses_kernels import RATE, add_loss, follow_rate, onset, press
 from fpm.elements.openings.opening_kernels import NEW, OLD, Openings, turn
 from fpm.kernels.hooks import hook
@@ -36,11 +37,11 @@ IMPACT = AGE + 1  # impulse with which it caught
 PREDICTION = IMPACT + 1  # opening that is foreseen for the end of this step
 SEARCH_END = PREDICTION + 1  # opening up to which it has looked, as foreseen in the step before
 SEARCH_SHARE = SEARCH_END + 1  # share of this step after which that is: others caught then
-FREE_END = SEARCH_SHARE + 1  # opening that was foreseen for the end of the step in which it catches
-CATCH_IMPULSE = FREE_END + 1  # that of the catch, by what it takes to hold it, 0: not known
+CATCH_IMPULSE = SEARCH_SHARE + 1  # that of the catch, by what it takes to hold it, 0: not known
 LEAD = CATCH_IMPULSE + 1  # steps from the time of the rate in `rates` to the start of this step
 BRAKE_MOMENT = LEAD + 1  # moment (N m) with which exact friction slips on the joint
-STATE = BRAKE_MOMENT + 1
+MOVES = BRAKE_MOMENT + 1  # -1 where the coordinate is held at the end of the step, 1 elsewhere
+STATE = MOVES + 1
 
 TRACK = 4  # recorded: moment, impulse, rate when it caught, impulse with which it caught
 
@@ -84,12 +85,7 @@ def watch(part, i, h, timing):
     reach = reach_of(part, i, start, end, timing.step * last)
     if any_negative(where_negative(0.5 - load(part.state, i, IS_CAUGHT), 1.0, reach)):
         store(part.state, i, LEAD, 0.0 if timing.time < 1.5 * timing.step else 0.5)
-        mean = (end - start) * (1.0 / timing.step)
-        free = mean
-        for t in range(part.turns.hinge.shape[0]):
-            if part.turns.hinge[t] == h:
-                free = load(part.turns.state, t, FREE_RATE)
-        find_path(part, i, mean, free)
+        find_path(part, i, (end - start) * (1.0 / timing.step))
         for s in range(angles.shape[2]):
             if part.state[i, IS_CAUGHT, s] > 0.0:
                 continue
@@ -110,19 +106,26 @@ def reach_of(part, i, start, end, last_way):
 
 
 @kernel
-def find_path(part, i, mean, free):
+def find_path(part, i, mean):
     """Store the path of latch i's coordinate in a step, a parabola: its rate (rad/s) at the start
-    and the change in the step, by the rate before. mean: rate of the step; free: the same before
-    friction turned or held the coordinate, which tells the path up to where that turns back."""
+    and the change in the step, by the rate before. mean: rate of the step. Where friction turned or
+    held the coordinate, the free rate tells the path up to there."""
     last, weight = load(part.rates, i, RATE), 1.0 / (0.5 + load(part.state, i, LEAD))
+    free, free_to_move = mean, 0.0 * mean + 1.0
+    for t in range(part.turns.hinge.shape[0]):
+        if part.turns.hinge[t] == part.hinge[i]:
+            turns = part.turns.state
+            free = mean + load(turns, t, FREE_RATE) - load(turns, t, SOLVED_RATE)
+            free_to_move = where_negative(load(turns, t, HOLDS), -1.0, free_to_move)
     change, free_change = (mean - last) * weight, (free - last) * weight
     rate, free_rate = mean - 0.5 * change, free - 0.5 * free_change
-    turns = free_rate * (free_rate + free_change)
-    rests = absolute(mean) - HELD_RATE * absolute(last)
-    rate = where_negative(rests, 0.0, where_negative(turns, free_rate, rate))
-    change = where_negative(rests, 0.0, where_negative(turns, free_change, change))
+    turns_back = free_rate * (free_rate + free_change)
+    rests = where_negative(free_to_move, absolute(mean) - HELD_RATE * absolute(last), 1.0)
+    rate = where_negative(rests, 0.0, where_negative(turns_back, free_rate, rate))
+    change = where_negative(rests, 0.0, where_negative(turns_back, free_change, change))
     store(part.state, i, FIRST_RATE, rate)
     store(part.state, i, CHANGE, change)
+    store(part.state, i, MOVES, free_to_move)
 
 
 @kernel
@@ -171,12 +174,14 @@ def follow_path(part, i, s, start, end, time, span):
     """Decide whether latch i of sample s catches or misses on the way of its coordinate from
     `start` to `end` (rad) in `span` seconds from a `time` (s) on: on the way to where it turns back
     and on the way from there, if it does. part.state: FIRST_RATE and CHANGE of its parabola; after
-    the turn the way leads to `end`, which may have changed (friction that turns or holds)."""
+    the turn the way leads to `end`, which may have changed (friction that turns), or stays there
+    (that holds)."""
     rate, change = part.state[i, FIRST_RATE, s], part.state[i, CHANGE, s]
     share, middle = 1.0, end
     if rate * (rate + change) < 0.0:
         share = -rate / change
-        middle = start + 0.5 * share * span * rate
+        if part.state[i, MOVES, s] > 0.0:
+            middle = start + 0.5 * share * span * rate
     pass_by(part, i, s, start, middle, rate, time, share * span)
     if share < 1.0 and part.state[i, NEWS, s] == 0.0:
         pass_by(part, i, s, middle, end, 0.0, time + share * span, (1.0 - share) * span)

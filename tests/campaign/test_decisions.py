@@ -170,7 +170,7 @@ def test_the_best_choice_is_that_of_the_closed_form(tmp_path):
 def test_a_choice_of_a_parameter_without_an_interval_and_two_goals(tmp_path):
     """The time goes with the root of the mass: its range over k, for every mass."""
     choose = {"parameters": {"mass": [0.5, 2.0]}, "maximise": ["lower(t_open)"],
-              "minimise": ["width(t_open)"], "order": 6}  # fmt: skip
+              "minimise": ["width(t_open)"]}  # fmt: skip
     solver = {"duration": 3.0, "instants": 601}
     folder = decided(tmp_path, "two", choose=choose, solver=solver)
     found = read(folder.choice)
@@ -179,7 +179,8 @@ def test_a_choice_of_a_parameter_without_an_interval_and_two_goals(tmp_path):
     exact = exact_time(0.095, 0.5) - exact_time(0.105, 0.5)
     # Beside a width the width that was simulated, of runs at both ends.
     goal, _ = found["goals"]
-    assert [goal["value"], goal["simulated"]] == pytest.approx([exact, exact], rel=1e-3)
+    assert goal["simulated"] == pytest.approx(exact, rel=1e-3)
+    assert abs(goal["value"] - exact) <= goal["error"] < 0.02 * exact
     assert goal["at"]["k"] == pytest.approx(0.095) and goal["lower_at"]["k"] == pytest.approx(0.105)
     told = (folder / "summary.md").read_text()
     assert "`mass` is at the lower end of its range" in told

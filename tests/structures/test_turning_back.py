@@ -44,6 +44,10 @@ CASES = {  # rate, force, friction, latch; time, place and rate of the catch, No
         -0.2, 100, 120, "position: -1e-4, capture_range: 1e-4, side: below",
         (0.2 / 220, -0.02 / 220, 0.0),
     ),
+    "a second latch at rest beside a load": (
+        0.2, -100, 40, "position: 1e-4}\n  end: {type: latch, joint: h, position: 1.1e-4, "
+        "capture_range: 2e-5, max_capture_rate: 0.01", ((0.2 - 0.012**0.5) / 140, 1e-4, 0.012**0.5),
+    ),
     "a second latch at rest": (
         2.0, 0, 8, "position: 0.2}\n  end: {type: latch, joint: h, position: 0.21, "
         "capture_range: 0.02, max_capture_rate: 0.1", ((2 - 0.8**0.5) / 8, 0.2, 0.8**0.5),
@@ -59,7 +63,7 @@ def cart(rate, force, friction, latch) -> str:
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("case", "stiffness"),
-    [*((case, "") for case in CASES), *((case, ", stiffness: 40") for case in [*CASES][:-1])],
+    [*((case, "") for case in CASES), *((case, ", stiffness: 40") for case in [*CASES][:-2])],
 )
 def test_a_latch_catches_a_joint_that_turns_back_within_a_step(case, stiffness):
     """Time, place, rate; of an exact one the impact, and in the first step all of the energy."""
@@ -72,7 +76,7 @@ def test_a_latch_catches_a_joint_that_turns_back_within_a_step(case, stiffness):
             assert len(events) == 0
             continue
         time, place, rate = exact
-        assert np.unique(events[:, 0]) == pytest.approx([time], abs=1e-9)
+        assert np.unique(events[:, 0].round(12)) == pytest.approx([time], abs=1e-9)
         assert outcome.records["slide_latch_rate"].values[-1, 0] == pytest.approx(rate, abs=1e-9)
         if stiffness:
             continue

@@ -200,7 +200,7 @@ def pass_by(part, i, s, start, end, start_rate, time, span):
     is_inside = 0.0 <= first <= 2.0 * reach and reach > 0.0
     if last - first < -AT_REST or not (is_inside or first < 0.0 <= last):
         return
-    if part.state[i, BRAKE_MOMENT, s] * (end - start) > 0.0:
+    if abs(end - start) > AT_REST and part.state[i, BRAKE_MOMENT, s] * (end - start) > 0.0:
         return
     begin_rate = max(sign * start_rate, 0.0)
     final = max(2.0 * (last - first) / span - begin_rate, 0.0)

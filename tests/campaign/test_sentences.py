@@ -245,6 +245,12 @@ CASES = {
         ]), "k") for names in (["in_time"], ["in_time", "gentle"])),
         ("tolerance", together(halved={n: HALF | {"gain": 0} for n in "kc"})),
         ("tolerance", together(met="undecided")),
+        ("tolerance", rows(TIME, TIME | {"name": "late", "influence": {
+            "k": TIME["influence"]["c"], "c": TIME["influence"]["k"]
+        }})),
+        ("open_by", facts(requirements=[PART | {"met": "undecided", "limits": [
+            LIMIT | {"met": "undecided", "margin": 0.9}
+        ]}]), "k"),
         ("tolerance", rows(TIME | {"influence": {
             "k": TIME["influence"]["k"] | {"halved": None}, "c": TIME["influence"]["c"]
         }, "censored_at": 9.0})),
@@ -262,7 +268,7 @@ CASES = {
         ("choice", chosen(safe=False)),
         *(("choice", chosen(
             limits=[LIMIT | {"error": 0.7}], goals=CHOICE["goals"] * 2, tried=[
-                {"values": [k], "goals": [0.6, 0.7], "margins": [k], "kept": kept}
+                {"values": [k], "goals": [0.6, 0.67 + k / 10], "margins": [k], "kept": kept}
                 for k in (0.4, 0.5, 0.6)
             ],
         )) for kept in (True, False)),
@@ -392,11 +398,15 @@ CASES = {
         *(("error", row, 0.0) for row in (TIME, NEVER)),
         *(("goal_name", CHOICE["goals"][0] | {"end": end}) for end in ("upper", "lower", "width")),
         ("halved_margin", LIMIT, "k"), ("halved_margin", LIMIT | {"margin": 0.94}, "k"),
+        *(("halved_share", TOGETHER | part, name) for name in "kc" for part in (
+            {}, {"share": 0.995, "share_uncertainty": 0.02}
+        )),
         ("goal_value", CHOICE["goals"][0]), ("limit_value", HAPPENS | {"kept": True}),
         ("limit_value", LIMIT), ("short_limit", LIMIT), ("short_limit", HAPPENS),
         ("short_limit", HAPPENS | {"level": False}), ("cut", TOGETHER),
         ("cut", {"max_interval_scale": 0.00123}),
         ("narrowed", TIME, "k", "halved"), ("narrowed", TIME | {"constant": True}, "k", "fixed"),
+        ("narrowed", TIME | {"surrogate_upper": 4.0}, "k", "fixed"),
         ("sheet_head", FACTS, ROWS, ["met", "not met", "not analysed"], "ECSS"),
         ("sheet_head", facts(parameters=[]), ROWS[1:], ["met"], "ECSS"),
     ],

@@ -344,6 +344,13 @@ def gains(half: Mapping[str, float]) -> bool:
     return half["gain"] > max(half["gain_uncertainty"], half["share_uncertainty"])
 
 
+def improves(limit: Mapping, name: str) -> bool:
+    """Return whether half the interval of a parameter raises a limit's worst margin by more than
+    its error."""
+    half = limit["halved"][name]
+    return half is not None and half - limit["margin"] > (limit["error"] or 0.0)
+
+
 def best_halvings(halved: Mapping[str, Mapping]) -> list[str]:
     """Name the parameters whose halved interval raises most the share of the box that meets all
     requirements, as far as the errors tell; [] if none does. halved: of `together`."""

@@ -139,7 +139,7 @@ def test_thinned_curves_keep_their_extremes():
 
 
 @pytest.mark.parametrize(
-    ("share", "name"), [(0.01, "small"), (0.09, "small"), (0.1, "large"), (None, "unknown")]
+    ("share", "name"), [(0.01, "small"), (0.09, "small"), (0.11, "large"), (None, "unknown")]
 )
 def test_the_estimated_error_has_a_grade(data, share, name):
     assert grade(None if share is None else 2 * share, 2.0) == name

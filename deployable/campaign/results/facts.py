@@ -116,8 +116,7 @@ def mark_constant(facts: dict) -> None:
         if width is None or width > ROUNDING * sizes[row["units"]]:
             continue
         row["constant"] = True
-        for key in ("shares", "times_of_large_error"):
-            row.pop(key, None)
+        row.pop("shares", None)
         if "grade" in row:
             row["grade"] = "none"
         for influence in row.get("influence", {}).values():
@@ -230,12 +229,10 @@ def _response(
         )
         row |= {"largest_error": worst, "time_of_largest_error": float(time[largest]),
                 "error_at_largest_difference": error}  # fmt: skip
-        if len(large := np.flatnonzero(bounds.error >= LARGE * width[instant])):
-            first, last = large[[0, -1]]
-            row["times_of_large_error"] = {
-                "from": float(time[first]), "to": float(time[last]),
-                "throughout": bool(2 * len(large) > last - first),
-            }  # fmt: skip
+        if len(large := np.flatnonzero(bounds.error > LARGE * width[instant])):
+            times = {"from": float(time[large[0]]), "to": float(time[large[-1]])}
+            is_most = bool(2 * len(large) > large[-1] - large[0])
+            row["times_of_large_error"] = times | {"throughout": is_most}
     row["grade"] = grade(row.get("largest_error"), row["largest_difference"])
     row["trusted"] = _largest_trusted(bounds)
     if (start := campaign.attributes.get("undivided_from", np.inf)) <= time[instant]:
@@ -270,10 +267,10 @@ def _largest_trusted(bounds: ResponseBounds) -> dict[str, float] | None:
 
 def grade(error: float | None, width: float) -> str:
     """Return a word for the largest error of bounds beside `width`, their largest difference in its
-    unit: `small`, `large` from 10 %, `unknown` for None or width 0."""
+    unit: `small`, `large` above 10 %, `unknown` for None or width 0."""
     if error is None or not width > 0:
         return "unknown"
-    return "large" if error >= LARGE * width else "small"
+    return "large" if error > LARGE * width else "small"
 
 
 def _accuracy(plan: Plan, rows: Iterable[Mapping]) -> dict[str, Any]:
@@ -342,13 +339,6 @@ def gains(half: Mapping[str, float]) -> bool:
     """Return whether an interval that is half as wide raises the share of the box that meets all
     requirements by more than the error of that. half: of a parameter, in `together.halved`."""
     return half["gain"] > max(half["gain_uncertainty"], half["share_uncertainty"])
-
-
-def improves(limit: Mapping, name: str) -> bool:
-    """Return whether half the interval of a parameter raises a limit's worst margin by more than
-    its error."""
-    half = limit["halved"][name]
-    return half is not None and half - limit["margin"] > (limit["error"] or 0.0)
 
 
 def best_halvings(halved: Mapping[str, Mapping]) -> list[str]:

@@ -16,7 +16,7 @@ from deployable.campaign.pictures import make_figure
 from deployable.campaign.pictures.colours import BARS, BLUE, RED
 from deployable.campaign.results.response_bounds import (
     LARGE,
-    UNDRAWN,
+    UNSURE,
     CampaignBounds,
     ResponseBounds,
 )
@@ -27,7 +27,7 @@ UPPER = {"color": RED, "linestyle": (0, (5, 1, 1, 1)), "linewidth": 1.1, "label"
 ERROR = {"color": BARS[3], "alpha": 0.35, "linewidth": 0, "label": "error estimate"}
 NOMINAL = {"color": "0.35", "linestyle": "-", "linewidth": 0.8, "label": "nominal run"}
 RANGE = {"color": "0.85", "linewidth": 0, "zorder": 1, "label": "between the bounds"}
-DOUBT = f"do not rely on these bounds: error\nfrom {100 * UNDRAWN:.0f} % of the largest difference"
+DOUBT = f"do not rely on these bounds: error\nfrom {100 * UNSURE:.0f} % of the largest difference"
 FAINT = {"linestyle": (0, (1, 1)), "linewidth": 1.0, "alpha": 0.6, "label": DOUBT}
 ARROW = {"arrowstyle": "<->", "color": "black", "linewidth": 0.8, "shrinkA": 0, "shrinkB": 0}
 SIGN: Any = {"marker": r"$\updownarrow$", "markersize": 9, "linestyle": "none", "color": "black"}
@@ -42,7 +42,7 @@ _DASHES = ("-", (0, (4, 1.5)), (0, (1, 1)), (0, (5, 1, 1, 1)), (0, (8, 2)))
 
 def envelope(bounds: Sequence[ResponseBounds], width: float = 6.4) -> Any:
     """Make a matplotlib figure of responses over time: bounds, their error, nominal run, instants
-    hatched where the error is large; bounds are faint where it exceeds a quarter (`UNDRAWN`) of
+    hatched where the error is large; bounds are faint where it exceeds a quarter (`UNSURE`) of
     their largest difference. All words stand below the axes.
 
     Parameters
@@ -80,7 +80,7 @@ def _draw_envelope(axes: Any, bounds: ResponseBounds, letter: str) -> None:
     ax, *difference_axes = axes
     lower, upper, difference, error = bounds.lower, bounds.upper, bounds.width, bounds.known_error
     time, axis_label = _abscissa(bounds)
-    sure = np.full(len(time), True) if error is None else error < UNDRAWN * difference.max()
+    sure = np.full(len(time), True) if error is None else error < UNSURE * difference.max()
     faint = np.convolve(~sure, [1, 1, 1], "same") > 0  # joins what is sure
     ax.fill_between(time, lower, upper, where=sure, **RANGE)
     if bounds.nominal is not None:

@@ -48,7 +48,7 @@ def environment(units: Iterable[str] = (), html: bool = False) -> Any:
         numbers: ("number", "quantity", "percent", "share", "interval", "place", "spread", "pretty",
                   "position", "with_error", "code"),
         facts: ("decisive", "moments", "happens_only", "has_effect", "fitted_width", "scarcest",
-                "is_tight", "missing_only", "largest", "gains", "improves", "best_halvings",
+                "is_tight", "missing_only", "largest", "gains", "best_halvings",
                 "worst_case", "worst_limit", "roomier", "contact_bound"),
     }  # fmt: skip
     for module, names in filters.items():
@@ -63,13 +63,8 @@ def environment(units: Iterable[str] = (), html: bool = False) -> Any:
         "varying": facts.varies,
         "in_any": lambda part, rows: any(part in row["errors"] for row in rows),
     }
-    env.globals |= {
-        "SOFT": facts.SOFT,
-        "LARGE": LARGE,
-        "COMPONENTS": COMPONENTS,
-        "VOLUME": numbers.VOLUME,
-    }
-    env.globals["CONSTANT_TEXT"] = CONSTANT_TEXT
+    env.globals |= {"SOFT": facts.SOFT, "COMPONENTS": COMPONENTS, "VOLUME": numbers.VOLUME}
+    env.globals |= {"CONSTANT_TEXT": CONSTANT_TEXT, "LARGE": LARGE}
     return env
 
 

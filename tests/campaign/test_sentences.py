@@ -45,7 +45,7 @@ CURVE = {
     "largest_difference": 1.1, "time_of_largest_difference": 3.8, "trusted": None,
     "error_at_largest_difference": 0.05,
     "shares": {"k": 0.6, "c": 0.4}, "lower": 0.4, "largest_growth_quarter": 0.02,
-    "published": None, "largest_error": 0.1, "time_of_largest_error": 4.0,
+    "published": None, "largest_error": 0.06, "time_of_largest_error": 4.0,
 }  # fmt: skip
 LIMIT = {
     "quantity": "t_open", "units": "s", "words": TIME["words"], "event": TIME["event"],
@@ -126,8 +126,11 @@ def parameter(**changes):
     return CHOICE["parameters"][0] | changes
 
 
-LARGE = curve(grade="large", error_at_largest_difference=0.5,
-              trusted={"difference": 0.9, "error": 0.05, "time": 3.0})  # fmt: skip
+LARGE = curve(grade="large", error_at_largest_difference=0.5, largest_error=0.5,
+              trusted={"difference": 0.9, "error": 0.05, "time": 3.0},
+              times_of_large_error={"from": 3.7, "to": 4.2, "throughout": True})  # fmt: skip
+AROUND = LARGE | {"times_of_large_error": {"from": 0.1, "to": 4.2, "throughout": False}}
+EXACT = TIME | {"error": 1e-6}
 NEVER = TIME | {"lower": None, "runs_with": 0, "runs_without": 20}
 UNFINISHED = {"name": "root", "duration": 12.0, "at": {"k": 0.4}}
 REACHED = {"name": "root", "units": "rad", "value": 1.2, "level": 1.57, "time": 2.0, "moves": True}
@@ -137,7 +140,7 @@ IDLE = PART | {"limits": [LIMIT | {"idle": "is negative in all runs"}]}
 FLOOR = PART | {"limits": [LIMIT | {"kind": "at_least", "idle": "is never below 0"}]}
 SINGLES = [{"name": "swing", "refuted": True, "attained": 2.0},
            {"name": "drop", "refuted": False, "attained": 0.8}]  # fmt: skip
-LATE = curve(time_of_largest_difference=6.0)
+LATE = curve(time_of_largest_error=6.0)
 
 CASES = {
     "What it answers": [
@@ -153,6 +156,7 @@ CASES = {
             PART | {"limits": [HAPPENS]}, PART | {"name": "gentle", "limits": [ABSENT]},
             PART | {"limits": [LIMIT | {"margin": None, "kept": False}]},
             PART | {"met": "none", "limits": [LIMIT | {"margin": -0.5}]},
+            PART | {"name": "hard", "limits": [ABSENT | {"level": 0.5, "kept": False}]},
         ])),
         ("headline", facts(requirements=[PART | {"met": "undecided", "limits": [LIMIT]}])),
         ("headline", facts(requirements=[
@@ -211,10 +215,14 @@ CASES = {
         ("differences", facts(responses=[curve(constant=True), LARGE])),
         ("differences", facts(responses=[CURVE, curve(error_at_largest_difference=None), CURVE])),
         ("occurrences", [TIME | {"runs_without": 2}, SPEED | {"runs_without": 2}]),
+        ("occurrences", [TIME | {"runs_without": 2, "censored_at": 12.0}, SPEED | {
+            "runs_without": 2
+        }]),
         ("occurrences", [TIME | {"runs_without": 2}]),
         ("occurrences", [TIME | {"runs_without": 2}, SPEED | {"runs_without": 2, "happens": 0.5}]),
-        *(("occurrences", [TIME | {"runs_without": 3, "unfinished": UNFINISHED | counts}], [K])
-          for counts in ({"late": 1, "stuck": 1}, {"late": 2, "stuck": 0, "at": {}})),
+        *(("occurrences", [TIME | {"runs_without": 3, "unfinished": UNFINISHED | counts}], [K],
+           shown) for counts, shown in (({"late": 1, "stuck": 1}, [CURVE]),
+                                        ({"late": 2, "stuck": 0, "at": {}}, []))),
         ("occurrences", [NEVER]),
         ("occurrences", [NEVER | {"reached": REACHED}]),
         ("occurrences", [NEVER | {"reached": REACHED | {"moves": False}}]),
@@ -237,6 +245,12 @@ CASES = {
         ]), "k") for names in (["in_time"], ["in_time", "gentle"])),
         ("tolerance", together(halved={n: HALF | {"gain": 0} for n in "kc"})),
         ("tolerance", together(met="undecided")),
+        ("tolerance", rows(TIME, TIME | {"name": "late", "influence": {
+            "k": TIME["influence"]["c"], "c": TIME["influence"]["k"]
+        }})),
+        ("open_by", facts(requirements=[PART | {"met": "undecided", "limits": [
+            LIMIT | {"met": "undecided", "margin": 0.9}
+        ]}]), "k"),
         ("tolerance", rows(TIME | {"influence": {
             "k": TIME["influence"]["k"] | {"halved": None}, "c": TIME["influence"]["c"]
         }, "censored_at": 9.0})),
@@ -254,7 +268,7 @@ CASES = {
         ("choice", chosen(safe=False)),
         *(("choice", chosen(
             limits=[LIMIT | {"error": 0.7}], goals=CHOICE["goals"] * 2, tried=[
-                {"values": [k], "goals": [0.6, 0.7], "margins": [k], "kept": kept}
+                {"values": [k], "goals": [0.6, 0.67 + k / 10], "margins": [k], "kept": kept}
                 for k in (0.4, 0.5, 0.6)
             ],
         )) for kept in (True, False)),
@@ -298,11 +312,13 @@ CASES = {
     "How far can this be trusted?": [
         ("reliance", FACTS),
         ("reliance", facts(responses=[LARGE, curve(grade="unknown", name="v")])),
+        ("reliance", facts(responses=[AROUND])),
         ("reliance", facts(FREE, unvaried=["mass", "k"])),
         ("reliance", facts(requirements=[PART | {"met": "undecided", "limits": [LIMIT]}],
                            late_peaks=["t_open"])),
         ("reliance", rows(TIME | {"predicted_ends": ["upper"], "errors": {"whole": 0.2}},
                           SPEED | {"doubt": "`K` is free"}, accuracy={"unmet": ["t_open"]},
+                          late_peaks=["most", "top"],
                           responses=[curve(grade="unknown"), LARGE | {"name": "lift"}])),
         ("trust", FACTS),
         ("trust", together(share=0.995, share_uncertainty=0.02)),
@@ -310,7 +326,9 @@ CASES = {
         ("trust", together(met="all", share=1.0, share_uncertainty=0.0)),
         ("trust", together(met="none", share=0.0, share_uncertainty=0.0)),
         ("trust", facts(responses=[curve(grade="unknown")])),
-        ("trust", facts(responses=[LARGE | {"undivided_from": 3.7}])),
+        ("trust", facts(responses=[LARGE | {"undivided_from": 3.9}] * 2)),
+        ("trust", together(met="all", share=1.0, share_uncertainty=0.0, failures=0)
+         | {"requirements": [PART | {"limits": [HAPPENS]}], "quantities": [EXACT, SPEED]}),
         ("trust", facts(responses=[LARGE | {"along": {
             "first": 0.0, "last": 90.0, "duration": 12.0, "unit": "degree"
         }}])),
@@ -332,10 +350,10 @@ CASES = {
         ("made", facts(finest_step=0.001, assembly_energy=2.0, design={
             "order": [0], "held_out": 0
         })),
-        ("accuracy", facts(
+        *(("accuracy", facts(
             accuracy={"met": True, "rounds": 1, "runs": 300, "seconds": 0.3, "mesh": {},
-                      "reason": "",
-                      "unmet": [], "others": 2})),
+                      "reason": "", "unmet": [], "others": 2}, responses=rows_of))
+          for rows_of in ([CURVE], [LARGE, AROUND])),
         *(("accuracy", facts(
             quantities=[TIME | {"errors": {"share": 0.0501, "target": 0.05}},
                         SPEED | {"errors": {"share": share, "target": 0.05}}],
@@ -364,6 +382,7 @@ CASES = {
         ("simulated", HAPPENS | {"simulated": None, "ran": False}, [NEVER], 4),
         *(("seen", {"seen": seen}) for seen in ("both", "lower", "upper", "none")),
         ("ends", NEVER), ("ends", TIME), ("ends", TIME | {"censored_at": 12.0}),
+        ("ends", TIME | {"error": 1.0}), ("ends", TIME | {"errors": {"whole": 1.0}}),
         ("ends", TIME | {"late_parts": ["t_a", "t_b"]}),
         ("ends", TIME | {"predicted_ends": ["lower", "upper"]}),
         ("budget", {"surrogate": 0.1, "whole": 0.2, "share": 0.1, "target": 0.05}),
@@ -372,15 +391,22 @@ CASES = {
         ("where", LIMIT | {"lower_at": {"k": 0.1}}, [K]),
         *(("reliable", row) for row in (curve(grade="none"), curve(grade="unknown"), CURVE, LARGE,
                                         curve(error_at_largest_difference=1e-9),
-                                        curve(largest_error=0.4),
+                                        LARGE | {"error_at_largest_difference": 0.01},
+                                        LARGE | {"error_at_largest_difference": None},
                                         LARGE | {"trusted": None})),
+        *(("error", CURVE | {"size": 1.5}, value) for value in (0.1, 1e-16, None)),
+        *(("error", row, 0.0) for row in (TIME, NEVER)),
         *(("goal_name", CHOICE["goals"][0] | {"end": end}) for end in ("upper", "lower", "width")),
         ("halved_margin", LIMIT, "k"), ("halved_margin", LIMIT | {"margin": 0.94}, "k"),
+        *(("halved_share", TOGETHER | part, name) for name in "kc" for part in (
+            {}, {"share": 0.995, "share_uncertainty": 0.02}
+        )),
         ("goal_value", CHOICE["goals"][0]), ("limit_value", HAPPENS | {"kept": True}),
         ("limit_value", LIMIT), ("short_limit", LIMIT), ("short_limit", HAPPENS),
         ("short_limit", HAPPENS | {"level": False}), ("cut", TOGETHER),
         ("cut", {"max_interval_scale": 0.00123}),
         ("narrowed", TIME, "k", "halved"), ("narrowed", TIME | {"constant": True}, "k", "fixed"),
+        ("narrowed", TIME | {"surrogate_upper": 4.0}, "k", "fixed"),
         ("sheet_head", FACTS, ROWS, ["met", "not met", "not analysed"], "ECSS"),
         ("sheet_head", facts(parameters=[]), ROWS[1:], ["met"], "ECSS"),
     ],

@@ -139,12 +139,14 @@ def test_thinned_curves_keep_their_extremes():
 
 
 @pytest.mark.parametrize(
-    ("share", "name"), [(0.01, "small"), (0.1, "noticeable"), (0.4, "large"), (None, "unknown")]
+    ("share", "name"), [(0.01, "small"), (0.09, "small"), (0.11, "large"), (None, "unknown")]
 )
 def test_the_estimated_error_has_a_grade(data, share, name):
     assert grade(None if share is None else 2 * share, 2.0) == name
     error = None if share is None else share
-    text = text_of(altered(data, grade=name, error_at_largest_difference=error))
+    times = {"from": 0.1, "to": 0.2, "throughout": True}
+    changes = {"grade": name, "largest_error": error, "times_of_large_error": times}
+    text = text_of(altered(data, **changes))
     pattern = r"(Do not rely on the bounds of|no error estimate for) the x-position of the point T"
     warned = re.search(pattern, text) is not None
     assert warned == (name in ("large", "unknown"))

@@ -15,7 +15,7 @@ import numpy as np
 from deployable.campaign.pictures.glb import glb_of
 from deployable.campaign.report.read import MovingRun, PageData
 from deployable.campaign.results.quantity_results import number
-from deployable.campaign.results.response_bounds import LARGE, ResponseBounds
+from deployable.campaign.results.response_bounds import UNSURE, ResponseBounds
 from deployable.campaign.text.numbers import pretty
 from deployable.intervals.chebyshev import Formula
 from deployable.intervals.scalars.fits import choose_fit
@@ -89,7 +89,7 @@ def payload(data: PageData, arrays: _Arrays, frames: int | None = None) -> dict[
     bounds = [c for r in data.responses for c in (r.lower, r.upper, r.upper - r.lower)]
     keep = thin_curves(bounds)
     return {
-        "large": LARGE,
+        "unsure": UNSURE,
         "metre": data.facts["metre"],
         "time": arrays.add(data.time[keep], "f8"),
         "parameters": [

@@ -38,7 +38,6 @@ from deployable.intervals.box import ROUNDING
 from fpm.elements import Contact
 from fpm.errors import SceneError
 
-SMALL = 0.05  # share of the largest difference below which an error is small
 SOFT = 0.05  # overlap (rad) from which faces that touch are said to pass through each other
 
 _SIZES = {"rad": 1.0, "m": 1e-3}
@@ -230,7 +229,11 @@ def _response(
         )
         row |= {"largest_error": worst, "time_of_largest_error": float(time[largest]),
                 "error_at_largest_difference": error}  # fmt: skip
-    row["grade"] = grade(row["error_at_largest_difference"], row["largest_difference"])
+        if len(large := np.flatnonzero(bounds.error > LARGE * width[instant])):
+            times = {"from": float(time[large[0]]), "to": float(time[large[-1]])}
+            is_most = bool(2 * len(large) > large[-1] - large[0])
+            row["times_of_large_error"] = times | {"throughout": is_most}
+    row["grade"] = grade(row.get("largest_error"), row["largest_difference"])
     row["trusted"] = _largest_trusted(bounds)
     if (start := campaign.attributes.get("undivided_from", np.inf)) <= time[instant]:
         row["undivided_from"] = float(start)
@@ -252,8 +255,8 @@ def _mean(curve: np.ndarray, time: np.ndarray) -> float:
 
 
 def _largest_trusted(bounds: ResponseBounds) -> dict[str, float] | None:
-    """Return the largest difference between the bounds of a response where these are drawn, with
-    the error of either and the time; None where there are no errors, or none is small enough."""
+    """Return the largest difference between the bounds of a response where their error is small,
+    with the error of either and the time; None where there are no errors, or none is small."""
     width, error = bounds.width, bounds.error
     if error is None or not (is_sure := error < LARGE * width.max()).any():
         return None
@@ -263,12 +266,11 @@ def _largest_trusted(bounds: ResponseBounds) -> dict[str, float] | None:
 
 
 def grade(error: float | None, width: float) -> str:
-    """Return a word for an error relative to `width`, the difference of the bounds in its unit:
-    `small` below 5 %, `large` from 25 %, `noticeable` between, `unknown` for None or width 0."""
+    """Return a word for the largest error of bounds beside `width`, their largest difference in its
+    unit: `small`, `large` above 10 %, `unknown` for None or width 0."""
     if error is None or not width > 0:
         return "unknown"
-    relative = error / width
-    return "small" if relative < SMALL else "large" if relative >= LARGE else "noticeable"
+    return "large" if error > LARGE * width else "small"
 
 
 def _accuracy(plan: Plan, rows: Iterable[Mapping]) -> dict[str, Any]:

@@ -14,7 +14,12 @@ from deployable.campaign.files import result_file
 from deployable.campaign.folder import PICTURES
 from deployable.campaign.pictures import make_figure
 from deployable.campaign.pictures.colours import BARS, BLUE, RED
-from deployable.campaign.results.response_bounds import LARGE, CampaignBounds, ResponseBounds
+from deployable.campaign.results.response_bounds import (
+    LARGE,
+    UNSURE,
+    CampaignBounds,
+    ResponseBounds,
+)
 from deployable.campaign.text.numbers import pretty
 
 LOWER = {"color": BLUE, "linestyle": (0, (4, 1.5)), "linewidth": 1.1, "label": "lower bound"}
@@ -22,7 +27,7 @@ UPPER = {"color": RED, "linestyle": (0, (5, 1, 1, 1)), "linewidth": 1.1, "label"
 ERROR = {"color": BARS[3], "alpha": 0.35, "linewidth": 0, "label": "error estimate"}
 NOMINAL = {"color": "0.35", "linestyle": "-", "linewidth": 0.8, "label": "nominal run"}
 RANGE = {"color": "0.85", "linewidth": 0, "zorder": 1, "label": "between the bounds"}
-DOUBT = f"do not rely on these bounds: error\nfrom {100 * LARGE:.0f} % of the largest difference"
+DOUBT = f"do not rely on these bounds: error\nfrom {100 * UNSURE:.0f} % of the largest difference"
 FAINT = {"linestyle": (0, (1, 1)), "linewidth": 1.0, "alpha": 0.6, "label": DOUBT}
 ARROW = {"arrowstyle": "<->", "color": "black", "linewidth": 0.8, "shrinkA": 0, "shrinkB": 0}
 SIGN: Any = {"marker": r"$\updownarrow$", "markersize": 9, "linestyle": "none", "color": "black"}
@@ -31,15 +36,14 @@ DATELESS = {"png": {"Software": None}, "pdf": {"CreationDate": None}, "svg": {"D
 """Metadata of figures that the same data make the same."""
 STYLE: Any = {"svg.hashsalt": "deployable-intervals", "pdf.fonttype": 42}
 """Matplotlib's settings for files: the same names in all, and TrueType fonts, as journals ask."""
-_SHADE_ABOVE = 0.1  # of the largest difference of the bounds: a larger error is hatched
 _COLOURS = (BLUE, RED, *(BARS[i] for i in (2, 3, 0, 1)), "#000000", "#7F7F7F")
 _DASHES = ("-", (0, (4, 1.5)), (0, (1, 1)), (0, (5, 1, 1, 1)), (0, (8, 2)))
 
 
 def envelope(bounds: Sequence[ResponseBounds], width: float = 6.4) -> Any:
     """Make a matplotlib figure of responses over time: bounds, their error, nominal run, instants
-    hatched where the error is large; bounds are faint where it exceeds a quarter (`LARGE`) of their
-    largest difference. All words stand below the axes.
+    hatched where the error is large; bounds are faint where it exceeds a quarter (`UNSURE`) of
+    their largest difference. All words stand below the axes.
 
     Parameters
     ----------
@@ -76,7 +80,7 @@ def _draw_envelope(axes: Any, bounds: ResponseBounds, letter: str) -> None:
     ax, *difference_axes = axes
     lower, upper, difference, error = bounds.lower, bounds.upper, bounds.width, bounds.known_error
     time, axis_label = _abscissa(bounds)
-    sure = np.full(len(time), True) if error is None else error < LARGE * difference.max()
+    sure = np.full(len(time), True) if error is None else error < UNSURE * difference.max()
     faint = np.convolve(~sure, [1, 1, 1], "same") > 0  # joins what is sure
     ax.fill_between(time, lower, upper, where=sure, **RANGE)
     if bounds.nominal is not None:
@@ -95,11 +99,11 @@ def _draw_envelope(axes: Any, bounds: ResponseBounds, letter: str) -> None:
                  (ax, upper, np.fmin(upper + error, bounds.most))]  # fmt: skip
         band = np.maximum(difference - error, 0), difference + error
         bands += [(axis, *band) for axis in difference_axes]
-        label = f"error above {100 * _SHADE_ABOVE:.3g} % of\nthe largest difference"
+        label = f"error above {100 * LARGE:.3g} % of\nthe largest difference"
         for axis, low, high in bands:
             axis.fill_between(time, low, high, where=sure, zorder=0.5, **ERROR)
         for axis in axes:
-            _shade(axis, time, error > _SHADE_ABOVE * difference.max(), label)
+            _shade(axis, time, error > LARGE * difference.max(), label)
     if sure[i := int(difference.argmax())] and difference[i] > 0:  # marked, and told in the legend
         ends = (time[i], lower[i]), (time[i], upper[i])
         ax.annotate("", *ends, arrowprops=ARROW, zorder=5)

@@ -12,7 +12,8 @@ from deployable.campaign.files import open_netcdf
 from deployable.campaign.folder import Folder
 
 COMPONENTS = ("surrogate", "step", "mesh")  # components of an error
-LARGE = 0.25  # share of the largest difference of bounds from which their error is large
+LARGE = 0.1  # share of the largest difference of bounds above which their error is large
+UNSURE = 0.25  # the same from which bounds are not drawn
 
 
 @dataclass(frozen=True)

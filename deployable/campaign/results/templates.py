@@ -10,7 +10,7 @@ from typing import Any
 from deployable.campaign.config.own_runs import CONSTANT_TEXT
 from deployable.campaign.provenance import program_digest
 from deployable.campaign.results import facts
-from deployable.campaign.results.response_bounds import COMPONENTS
+from deployable.campaign.results.response_bounds import COMPONENTS, LARGE
 from deployable.campaign.text import numbers
 from fpm.kernels.sources import user_cache
 
@@ -64,7 +64,7 @@ def environment(units: Iterable[str] = (), html: bool = False) -> Any:
         "in_any": lambda part, rows: any(part in row["errors"] for row in rows),
     }
     env.globals |= {"SOFT": facts.SOFT, "COMPONENTS": COMPONENTS, "VOLUME": numbers.VOLUME}
-    env.globals["CONSTANT_TEXT"] = CONSTANT_TEXT
+    env.globals |= {"CONSTANT_TEXT": CONSTANT_TEXT, "LARGE": LARGE}
     return env
 
 

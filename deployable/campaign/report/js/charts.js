@@ -6,7 +6,7 @@ function offset(values, error, sign) {
 
 // The bounds, without those whose error is so large that they are not to be relied on.
 function drawable({ lower, upper, error, widest }) {
-  const i = nearest(TIME, widest), most = error ? DATA.large * (upper[i] - lower[i]) : Infinity;
+  const i = nearest(TIME, widest), most = error ? DATA.unsure * (upper[i] - lower[i]) : Infinity;
   const sure = (values) => values.map((value, at) => (error && error[at] >= most ? NaN : value));
   return { lower: sure(lower), upper: sure(upper) };
 }

@@ -186,12 +186,18 @@ class CsvTable:
         if rows and not any(isinstance(u, Unit) for u in units):
             words = [cell.strip("[]() ") for cell in self._cells(rows[0][1])]
             row = [_unit(w) if re.search(r"[^\d.,eE+-]", w) else NO_UNIT for w in words]
-            is_units = all(
-                isinstance(u, Unit) or w in ("", "-") for u, w in zip(row, words, strict=True)
-            )
-            if is_units and len(row) == len(cells) and any(words):
+            # Units of columns that are not used may be any words.
+            is_units = any(isinstance(u, Unit) for u in row) and not any(map(_DIGITS.match, words))
+            if is_units and len(row) == len(cells):
                 rows.pop(0)
                 return [*map(fold_name, cells)], row
+        for number, cell in enumerate(cells):
+            word = re.fullmatch(r"(.*\S)\s*\((min|in)\)", cell)
+            pattern = rf"{re.escape(word[1])}\s*\(.*\)" if word else "$."
+            if any(re.fullmatch(pattern, names[k]) and k != number for k in range(len(cells))):
+                text = f"{cell!r} has a unit or another word in brackets"
+                units[number] = f"{text}; allowed: {word[1]} [{word[2]}] for the unit"
+                names[number] = fold_name(cell)
         return names, units
 
     def _time(self) -> int:
@@ -307,6 +313,9 @@ def _unit(text: str) -> Unit | str:
     word = plain.lower() if plain.lower() in _WORDS else plain
     milli = _MILLI.fullmatch(word)
     factor, name = FOREIGN_UNITS.get(word, (1e-3, milli[1]) if milli else (1, word))
+    if powers := re.search(r"(?<![A-Za-z])ms-(\d)", plain):
+        other = f"m s-{powers[1]} or 1/ms{powers[1]}".removesuffix("1")
+        return f"{text!r} could be {other}; allowed: one of these"
     if word in ("g", "t"):  # grams, or the acceleration of gravity; tonnes, or the time
         return f"{text!r} is not a unit; allowed: kg, or m/s2 for an acceleration"
     try:

@@ -145,6 +145,7 @@ REFUSED = {
 }  # fmt: skip
 
 UNUSABLE = {  # files with a time, whose column `angle` cannot be used
+    "m/s or 1/ms": ("t [s],angle [ms-1]\n" + R, "'ms-1' could be m s-1 or 1/ms"),
     "1.234 among commas": (SEMI + "0,5;1.234\n", "line 2: '1.234' could be 1.234 or 1234 beside '"),
     "1,23 among thousands": (SEMI + "1,234.5;1\n1,235.5;1,2345.6\n", "line 3: '1,2345.6' could be"),
     "1.234 among points between thousands": (
@@ -194,6 +195,17 @@ def test_a_column_that_cannot_be_used_says_why(tmp_path, content, words):
     ((name, fault),) = file.faults.items()
     assert name not in file.columns and words in fault
     assert "; allowed: " in fault
+
+
+@pytest.mark.parametrize(("head", "used", "faulty"), [
+    ("t [s],x (min),x (max)", [], ["x (min)", "x (max)"]),  # no minutes
+    ("t [s],F (in),F (out)", [], ["F (in)", "F (out)"]),  # no inches
+    ("t [s],x (in),y (mm)", ["x", "y"], []),
+    ("t,x,temp\ns,mm,°C", ["x"], ["temp"]), ("t,x,load\nms,mm,%", ["x"], ["load"]),
+])  # fmt: skip
+def test_words_in_brackets_and_units_of_unused_columns(tmp_path, head, used, faulty):
+    file = read(tmp_path, f"{head}\n0,1,20\n1,2,30\n")
+    assert ([*file.columns], [*file.faults]) == (used, faulty)
 
 
 def test_names_with_spaces_and_times_before_0(tmp_path):

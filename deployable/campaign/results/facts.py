@@ -374,9 +374,9 @@ def _room(choice: Mapping) -> float:
 
 
 def roomier(choice: Mapping) -> Mapping | None:
-    """Return the tried choice that has the most room to the limits, with the errors of the fit over
-    all choices, if the best choice is tight and this one keeps all limits by more than errors; None
-    if there is no such choice. choice: section of the facts."""
+    """Return the tried choice that is best for the first goal among those that are not tight, with
+    the errors of the fit over all choices, if the best choice is tight; None if there is no such
+    choice. choice: section of the facts."""
     sections = {"parameters": "values", "goals": "goals", "limits": "margins"}
     rows = [
         {section: [row | {"value": x, "margin": x, "error": row.get("fit_error")}
@@ -384,8 +384,9 @@ def roomier(choice: Mapping) -> Mapping | None:
          for section, key in sections.items()}
         for trial in choice["tried"] if trial["kept"]
     ]  # fmt: skip
-    best = max(rows, key=_room, default=choice)
-    return best if is_tight(choice) and _room(best) > max(1.0, _room(choice)) else None
+    sign = -1 if choice["goals"][0]["sense"] == "minimise" else 1
+    roomy = [row for row in rows if is_tight(choice) and not is_tight(row)]
+    return max(roomy, key=lambda row: sign * row["goals"][0]["value"], default=None)
 
 
 def worst_limit(limits: Iterable[Mapping]) -> Mapping:

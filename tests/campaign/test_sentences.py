@@ -312,7 +312,9 @@ CASES = {
     "How far can this be trusted?": [
         ("reliance", FACTS),
         ("reliance", facts(responses=[LARGE, curve(grade="unknown", name="v")])),
-        ("reliance", facts(responses=[AROUND])),
+        *(("reliance", facts(responses=[one])) for one in (AROUND, LARGE | {
+            "times_of_large_error": {"from": 4.0, "to": 4.0, "throughout": True}
+        })),
         ("reliance", facts(FREE, unvaried=["mass", "k"])),
         ("reliance", facts(requirements=[PART | {"met": "undecided", "limits": [LIMIT]}],
                            late_peaks=["t_open"])),

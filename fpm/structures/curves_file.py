@@ -193,7 +193,9 @@ class CsvTable:
                 return [*map(fold_name, cells)], row
         for number, cell in enumerate(cells):
             word = re.fullmatch(r"(.*\S)\s*\((min|in)\)", cell)
-            pattern = rf"{re.escape(word[1])}\s*\(.*\)" if word else "$."
+            if not word:
+                continue
+            pattern = rf"{re.escape(word[1])}\s*\(.*\)"
             if any(re.fullmatch(pattern, names[k]) and k != number for k in range(len(cells))):
                 text = f"{cell!r} has a unit or another word in brackets"
                 units[number] = f"{text}; allowed: {word[1]} [{word[2]}] for the unit"
@@ -314,8 +316,8 @@ def _unit(text: str) -> Unit | str:
     milli = _MILLI.fullmatch(word)
     factor, name = FOREIGN_UNITS.get(word, (1e-3, milli[1]) if milli else (1, word))
     if powers := re.search(r"(?<![A-Za-z])ms-(\d)", plain):
-        other = f"m s-{powers[1]} or 1/ms{powers[1]}".removesuffix("1")
-        return f"{text!r} could be {other}; allowed: one of these"
+        readings = f"m s-{powers[1]} or 1/ms{powers[1]}".removesuffix("1")
+        return f"{text!r} could be {readings}; allowed: one of these"
     if word in ("g", "t"):  # grams, or the acceleration of gravity; tonnes, or the time
         return f"{text!r} is not a unit; allowed: kg, or m/s2 for an acceleration"
     try:

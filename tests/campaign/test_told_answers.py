@@ -291,7 +291,7 @@ def test_the_best_choice_with_room_is_recommended_where_the_best_is_tight():
     """Margins 2 - v and 4 (v - 1) with errors 0.2 and 0.4 are twice these from 1.2 to 1.6."""
     speeds = np.linspace(1.0, 2.0, 31)
     choice = {
-        "parameters": [{"name": "v", "value": 1.05}], 
+        "parameters": [{"name": "v", "value": 1.05}],
         "goals": [{"fit_error": 0.1, "value": 0.0, "sense": "minimise"}],
         "limits": [{"margin": 0.95, "error": 0.1, "fit_error": 0.2},
                    {"margin": 0.2, "error": 0.2, "fit_error": 0.4}],

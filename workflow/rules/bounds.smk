@@ -12,7 +12,11 @@ rule bounds:
     input:
         no_files,
     output:
-        [path.replace("{batch}", "0") for x in STAGE_NAMES for path in WORKFLOW.outputs(x)],
+        [
+            path.replace("{batch}", "0")
+            for x in STAGE_NAMES
+            for path in WORKFLOW.outputs(x)
+        ],
     log:
         "{stage}/logs/bounds.log",
     conda:

@@ -111,11 +111,11 @@ def test_the_summary_tells_the_intervals(opened):
     assert rows["t_open"]["predicted_ends"] == []
     text = (opened / "summary.md").read_text()
     assert "1.8682 to 1.9640 s" in text and "| error of the fit | ends |" in text
-    assert "The opening of the `hinge` reaches 1.63 rad in " in text
+    assert "The opening of the `hinge` reaches 1.63 rad between 1.91 s and 2 s in " in text
     # The nominal run is a node, too, and counts once.
     made = len(curves_in(opened.runs("trajectories")))
     assert {row["runs_with"] + row["runs_without"] for row in rows.values()} == {made}
-    assert " of the box (by volume, not a probability). The interval of `t_late` covers" in text
+    assert "The interval of `t_late` covers the first part" in text
 
 
 def test_what_vanishes_inside_the_box_is_bordered_by_further_runs(tmp_path):

@@ -279,7 +279,7 @@ def told(rounds_met, *shares, asked=0.05):
     """What a summary says of an accuracy after rounds that found it met, or not, above a table with
     such shares of the width; "none" for a quantity that happens nowhere."""
     rows = [
-        {"name": name, "errors": {"share": None if share == "none" else share}}
+        {"name": name, "grade": "small", "errors": {"share": None if share == "none" else share}}
         | ({} if name == "x" else {"lower": None if share == "none" else 1.0})
         | ({"search_end": f"{name} jumps"} if name != "x" and share != "none" else {})
         for name, share in zip("xyz", shares, strict=False)
@@ -306,7 +306,7 @@ def test_an_accuracy_is_met_by_what_is_told_last_and_not_by_the_rounds():
     assert found["unmet"] == ["y"] and "`y` (error 5.06 %, target 5 %); 1 other meets it" in text
     found, text = told(False, 0.02, 0.04, "none")
     assert (found["met"], found["unmet"]) == (True, [])
-    assert "is met. It took 1 round" in text
+    assert "is met. It took 16 runs in 1 round" in text
     assert text.endswith("narrower than the distance between runs.")
 
 

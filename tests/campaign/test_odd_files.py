@@ -46,7 +46,7 @@ ODD = {
     "sparse": (sparse, "at most 1048576 bytes"),
     "long": (megabytes, "at most 1048576 bytes"),
     "keys": (keys, "more than 20000 values"),
-    "binary": (lambda path: path.write_bytes(b"\xff\xfe\x00"), "utf-8"),
+    "binary": (lambda path: path.write_bytes(b"\xff\xfe\x00"), "UTF-8"),
 }
 
 

@@ -337,11 +337,17 @@ def _combine(model: ModelEvaluator, result: LimitAssessment, shares: _Shares) ->
     box, row["halved"] = model.experiment.box, {}
     for j in np.flatnonzero(box.free):  # what meets all if one interval were half as wide
         half = find_halving(result.limits, box.free, model.nominal, int(j))._asdict()
-        worst = [_worst_of_half(model, result, i, j) for i in range(len(result.specs))]
+        indices = range(len(result.specs))
+        worst = [_worst_of_half(model, result, i, j) for i in indices]
+        # An effect that does not exceed the error is none.
+        sure = [
+            half if half - result.worst[i][0] > result.limits[i].error else result.worst[i][0]
+            for i, half in enumerate(worst)
+        ]
         if len(model.failed_points) or any(
-            0 <= worst[i] < result.limits[i].error
-            or (result.margins[i].min() >= 0 and not is_shown(model, result, i, worst[i]))
-            for i in range(len(result.specs))
+            (worst[i] >= 0 and sure[i] < result.limits[i].error)
+            or (result.margins[i].min() >= 0 and not is_shown(model, result, i, sure[i]))
+            for i in indices
         ):  # as of the whole box: what so many runs miss is not excluded
             bound = min(1.0, _RULE_OF_THREE / row["runs"])
             half["share_uncertainty"] = max(half["share_uncertainty"], bound)

@@ -66,7 +66,7 @@ def test_such_runs_are_repeated_and_the_result_says_so(tmp_path, monkeypatch):
     exact = [opening(play) for play in (0.05, 0.1, 0.15)]
     error = 1.5 * quantity["error_whole"]
     assert quantity["error_step"] > 0
-    row = next(line for line in text.splitlines() if line.endswith("| simulated |"))
+    row = next(line for line in text.splitlines() if "| simulated" in line)
     assert f"| {numbers.quantity(quantity['error_whole'], quantity['units'], 2)} |" in row
     assert quantity["lower"] - error < min(exact) < quantity["lower"] + error
     assert quantity["upper"] - error < max(exact) < quantity["upper"] + error

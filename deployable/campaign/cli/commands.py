@@ -183,16 +183,17 @@ def _compare(options: argparse.Namespace) -> int:
 
     if options.html and options.html.suffix not in (".html", ".htm"):
         raise CampaignError(f"--html {options.html}; allowed: the name of a page, such as all.html")
-    (facts, _), (page_facts, curves) = (
-        compare(options.folders, is_shown) for is_shown in (False, True)
-    )
-    for *rows, path in zip(page_facts["cases"], facts["cases"], options.folders, strict=True):
-        for row in rows:
+    texts = []
+    for is_shown in [True] * bool(options.html or not options.json) + [False] * options.json:
+        facts, curves = compare(options.folders, is_shown)
+        for row, path in zip(facts["cases"], options.folders, strict=True):
             row["folder"] = os.path.relpath(path, options.html.parent if options.html else ".")
-    if options.html:
-        write_text(options.html, render_cases(page_facts, map(overlay, curves.values())))
-    text = "" if options.json else summary_text(page_facts, "cases.md.jinja")
-    print(text or json.dumps(facts, indent=2))
+        if is_shown and options.html:
+            write_text(options.html, render_cases(facts, map(overlay, curves.values())))
+        texts.append(
+            summary_text(facts, "cases.md.jinja") if is_shown else json.dumps(facts, indent=2)
+        )
+    print(texts[-1])
     return 0
 
 

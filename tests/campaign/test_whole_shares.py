@@ -18,6 +18,7 @@ from deployable.campaign.answers.limits import (
     LimitAssessment,
     LimitSpec,
     _combine,
+    _worst_of_halves,
     assess_limits,
 )
 from deployable.campaign.answers.quantity_bounds import _turning_points, converge_bounds
@@ -532,7 +533,8 @@ def test_a_halved_tolerance_that_leaves_a_limit_within_its_error_leaves_its_shar
         nominal=np.zeros(2), points=points, distinct_rows=np.arange(len(points)), rest_count=0,
         failed_points=np.zeros((0, 2)),
     )  # fmt: skip
-    halved = _combine(model, result, {(0,): (1.0, 0.0)})["halved"]
+    shares, halves = {(0,): (1.0, 0.0)}, _worst_of_halves(model, result)
+    halved = _combine(model, result, shares, halves)["halved"]
     assert halved["x"]["share"] == halved["y"]["share"] == 1.0
     assert halved["x"]["share_uncertainty"] == 0.0
     assert halved["y"]["share_uncertainty"] == pytest.approx(3 / len(points))

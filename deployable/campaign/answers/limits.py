@@ -227,17 +227,18 @@ def judge(
     (2, q): by mesh and step, of values and of decision functions, or None."""
     specs = list_limits(requirements, list(model.experiment.quantities))
     result = assess_limits(model, model.surrogates(), specs, errors)
-    shares, rows = _find_shares(model, result), []
+    shares, halves, rows = _find_shares(model, result), _worst_of_halves(model, result), []
     for name in requirements:
         indices = _indices(result, name)
         limits = [
-            _limit(model, result, i) | _judge_limits(model, result, (i,), shares) for i in indices
+            _limit(model, result, i, halves[i]) | _judge_limits(model, result, (i,), shares)
+            for i in indices
         ]
         verdict = _judge_limits(model, result, indices, shares)
         rows.append({"name": name, **verdict, "limits": limits})
     return {
         "requirements": rows,
-        "together": {**_combine(model, result, shares), "whole": errors is not None},
+        "together": {**_combine(model, result, shares, halves), "whole": errors is not None},
         "runs": len(model.distinct_rows) + model.rest_count + len(model.failed_points),
         "further_runs": len(model.refinements),
     }
@@ -305,29 +306,36 @@ def _judge_runs(
     return {"met": "none", **row}
 
 
-def _limit(model: ModelEvaluator, result: LimitAssessment, i: int) -> dict:
-    """Return the limit with its worst place: that of the surrogate, or a run that is worse."""
+def _limit(model: ModelEvaluator, result: LimitAssessment, i: int, halves: np.ndarray) -> dict:
+    """Return the limit with its worst place: that of the surrogate, or a run that is worse; and its
+    least margins with each interval half as wide, `halves` (k)."""
     (margin, point), runs, spec = result.worst[i], result.margins[i], result.specs[i]
     if runs.min() < margin:
         margin, point = float(runs.min()), model.points[runs.argmin()]
     error = number(result.limits[i].error)
     fields: dict[str, Any] = {"margin": number(margin), "error": error, "kept": bool(margin >= 0)}
     fields["halved"] = {
-        model.experiment.box.names[j]: number(_worst_of_half(model, result, i, j))
+        model.experiment.box.names[j]: number(halves[j])
         for j in np.flatnonzero(model.experiment.box.free)
     }
     return {**describe_limit(model, spec), **fields, **model.describe_point(point, spec.quantity)}
 
 
-def _worst_of_half(model: ModelEvaluator, result: LimitAssessment, i: int, j: Any) -> float:
-    """Return the least margin of limit `i` where the interval of index `j` is half as wide."""
+def _worst_of_halves(model: ModelEvaluator, result: LimitAssessment) -> np.ndarray:
+    """Return the least margin (l, k) of each limit with each interval half as wide."""
     free = model.experiment.box.free.astype(float)
-    middle = np.where(np.arange(len(free)) == j, model.nominal, 0.0)
-    size = np.where(np.arange(len(free)) == j, 0.5, 1.0) * free
-    return result.limits[i].worst(middle / 2 - size, middle / 2 + size)[0]
+    margins = np.full((len(result.specs), len(free)), np.nan)
+    for j in np.flatnonzero(free):
+        middle = np.where(np.arange(len(free)) == j, model.nominal, 0.0) / 2
+        size = np.where(np.arange(len(free)) == j, 0.5, 1.0) * free
+        for i in range(len(result.specs)):
+            margins[i, j], _ = result.limits[i].worst(middle - size, middle + size)
+    return margins
 
 
-def _combine(model: ModelEvaluator, result: LimitAssessment, shares: _Shares) -> dict:
+def _combine(
+    model: ModelEvaluator, result: LimitAssessment, shares: _Shares, halves: np.ndarray
+) -> dict:
     largest, index, _ = result.largest
     row = {
         **_judge_limits(model, result, tuple(range(len(result.specs))), shares),
@@ -338,7 +346,7 @@ def _combine(model: ModelEvaluator, result: LimitAssessment, shares: _Shares) ->
     for j in np.flatnonzero(box.free):  # what meets all if one interval were half as wide
         half = find_halving(result.limits, box.free, model.nominal, int(j))._asdict()
         indices = range(len(result.specs))
-        worst = [_worst_of_half(model, result, i, j) for i in indices]
+        worst = halves[:, j].tolist()
         # An effect that does not exceed the error is none.
         sure = [
             half if half - result.worst[i][0] > result.limits[i].error else result.worst[i][0]

@@ -10,7 +10,10 @@ import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
+from weakref import WeakKeyDictionary
 
+import netCDF4
 import pytest
 
 # One thread of linear algebra, as the program has it. Two in each of two processes on two cores
@@ -21,6 +24,24 @@ COSTLY = {"Joints"}
 """Kinds, by the named tuples of their arrays, that are compiled in 5 to 10 s; others in 1 s."""
 
 _seen: set[str] = set()
+
+_open: WeakKeyDictionary[netCDF4.Dataset, str] = WeakKeyDictionary()
+
+
+class OpenOnce(netCDF4.Dataset):  # type: ignore[misc]
+    """A dataset that is open only once in a process. HDF5 can crash on a second one, with texts:
+    https://github.com/Unidata/netcdf-c/issues/2510."""
+
+    __hash__ = object.__hash__
+
+    def __init__(self, path: Any, *arguments: Any, **options: Any) -> None:
+        real = os.path.realpath(path)
+        assert real not in [of for file, of in _open.items() if file.isopen()], f"{real} is open"
+        super().__init__(path, *arguments, **options)
+        _open[self] = real
+
+
+netCDF4.Dataset = OpenOnce
 
 
 @pytest.hookimpl(tryfirst=True)

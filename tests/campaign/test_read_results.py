@@ -31,7 +31,9 @@ from fpm.files.seals import DamagedError
 
 def test_runs_are_those_of_the_plan(finished):
     plan = read_plan(finished.plan)
-    with open_samples(finished) as samples, xr.open_dataset(finished.samples) as file:
+    with xr.open_dataset(finished.samples) as file:
+        file.load()
+    with open_samples(finished) as samples:
         assert samples.ids() == [run.id for run in plan.runs]
         assert samples.ids([2, 0]) == [plan.runs[2].id, plan.runs[0].id]
         assert samples.roles == [run.role for run in plan.runs] and samples.nominal == 0
@@ -74,10 +76,10 @@ def test_the_error_of_a_scan_that_grew_by_nothing_is_not_known():
 def test_quantities_have_their_further_runs(rich):
     folder, _ = rich
     results, experiment = QuantityResults.read(folder), read_plan(folder.plan).experiment
+    runs = FittedRuns.read(folder)
     with xr.open_dataset(folder.quantities) as file, xr.open_dataset(folder.refinement) as further:
         assert [row["name"] for row in results.rows] == file["quantity"].values.tolist()
         assert [row["lower"] for row in results.rows] == file["lower"].values.tolist()
-        runs = FittedRuns.read(folder)
         assert results.further_runs == runs.refinement_count == further.sizes["run"]
         surrogates = runs.surrogates(experiment)
         errors = [max(s.error, 0.0) for s in surrogates]

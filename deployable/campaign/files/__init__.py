@@ -9,7 +9,7 @@ import json
 import os
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from contextvars import ContextVar
 from functools import cache
 from pathlib import Path
@@ -82,13 +82,15 @@ def open_netcdf(path: str | Path) -> Any:
     import netCDF4
 
     check(path, Path(path).name)
-    with report_damage(path):
-        file = netCDF4.Dataset(path)
+    with report_damage(path), ExitStack() as stack:
+        file = stack.enter_context(netCDF4.Dataset(path))
         file.set_auto_mask(False)
         for variable in _PATTERNS.keys() & file.variables.keys():
             for name in file[variable][:].ravel():
                 if not _PATTERNS[variable].fullmatch(str(name)):
                     raise DamagedError(path, f"{str(name)[:80]!r} is no name of a {variable}")
+        # One that is refused is closed: HDF5 can crash on texts of a file that is open twice.
+        stack.pop_all()
     return file
 
 

@@ -153,10 +153,10 @@ def make_motions(path: str | Path, frames: int = 401) -> list[Path]:
     from deployable.campaign.results.bounds import write_dataset
 
     folder = Folder(Path(path))
+    runs = shown_runs(folder)
     with open_samples(folder) as samples:
         experiment = samples.experiment
         check_mechanics(experiment, samples.mechanics, folder)
-        runs = shown_runs(folder)
         values = dict(zip(experiment.intervals, runs[0].values, strict=True))
         runs = runs[: count_moving_runs(len(experiment.build(values).position))]
         paths = [folder.motions / f"{run.id}.nc" for run in runs]

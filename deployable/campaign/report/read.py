@@ -30,6 +30,7 @@ from fpm.files.seals import DamagedError, check
 if TYPE_CHECKING:
     import xarray
 
+    from deployable.campaign.config.sections import Experiment
     from deployable.campaign.results.response_bounds import ResponseBounds
 
 
@@ -152,13 +153,13 @@ def from_results(path: str | Path) -> PageData:
             provenance=_provenance(bounds, facts["design"], folder),
             config=json.dumps(json.loads(bounds.attributes["config"]), indent=1),
             verdicts=_verdicts(samples, folder, facts, copy),
-            what_if=_what_if(samples, folder, facts),
         )
         curves = {m.run: m.motion["curves"].values for m in data.moving if "curves" in m.motion}
         drawn_runs = {*data.lines, *(mover.run for mover in data.moving)} - curves.keys()
         curves |= {run: samples.curves(rows[run]) for run in sorted(drawn_runs)}
     with_curves = (replace(run, curves=curves.get(i)) for i, run in enumerate(runs))
-    return replace(data, runs=tuple(with_curves))
+    what_if = _what_if(experiment, folder, facts)
+    return replace(data, runs=tuple(with_curves), what_if=what_if)
 
 
 MOST_RUNS = 10_000  # runs that a page has, with their parameters; of more, it has those that move
@@ -219,10 +220,9 @@ def _verdicts(
     return RunVerdicts(values * box, flags, numbers * scales)
 
 
-def _what_if(samples: RunSamples, folder: Folder, summary: Mapping) -> WhatIf:
+def _what_if(experiment: Experiment, folder: Folder, summary: Mapping) -> WhatIf:
     """Return the fits that the page evaluates: to quantities over the box, to quantities over the
     nominal values that may be chosen, and, where bounds come from a polynomial, to responses."""
-    experiment = samples.experiment
 
     def surrogates(runs: FittedRuns) -> dict[str, Any]:
         return dict(zip(experiment.quantities, runs.surrogates(experiment), strict=True))

@@ -33,9 +33,6 @@ def analyse(
             table = samples["values"].values
             runs = intervals.RunBounds.from_runs(table, np.arange(len(table)))
             bounds = intervals.include_runs(bounds, runs, samples["value"].values)
-        if with_errors is not None:
-            bounds = with_errors(bounds)
-        write_dataset(bounds, folder.design_bounds, "Bounds of the responses")
         surrogate = intervals.surrogate_dataset(samples, design)
         write_dataset(surrogate, folder.surrogate, "Surrogates of the responses")
         if not surrogate.sizes["term"]:
@@ -43,6 +40,10 @@ def analyse(
         else:
             sensitivities = intervals.sensitivity_dataset(samples, design)
         write_dataset(sensitivities, folder.sensitivities, "Influence of each parameter")
+        bounds = bounds.load()
+    if with_errors is not None:
+        bounds = with_errors(bounds)
+    write_dataset(bounds, folder.design_bounds, "Bounds of the responses")
 
 
 def include_runs(folder: Folder, runs: Any) -> None:

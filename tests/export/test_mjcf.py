@@ -6,9 +6,9 @@ import pytest
 
 import fpm
 from deployable.campaign.cli import main
-from deployable.campaign.convert import convert
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.export import choose, export
+from deployable.campaign.mjcf import convert
 from evidence.benchmark.peers import mjcf
 from fpm import structures
 from fpm.elements import Stop
@@ -181,7 +181,7 @@ FOREIGN = {  # what is added to a flap, and what is said of it
     "bearing": (HINGED % "bearing, joint: hinge, mu: 0.1, radius: 0.01, load: 10", "bearing hinge"),
     "contact": (HINGED % "contact, joint: hinge, stiffness: 10", "contact hinge"),
     "curve": (HINGED % "torque motor, joint: hinge, torque: 1, curve: c" +
-              "curves:\n  c: {times: [0, 1], values: [0, 1]}\n", "hinge that follows a curve"),
+              "curves:\n  c: {times: [0, 1], values: [0, 1]}\n", "torque motor hinge"),
     "gas spring": ("struts:\n  gas: {type: gas spring, between: [{part: ground, at: C}, B], "
                    "force: 1, length: 1.2, stroke: 0.5, ratio: 1.3}\n", "strut gas"),
     "bristle": (HINGED % "friction, joint: hinge, moment: 1", "friction hinge"),

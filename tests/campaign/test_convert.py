@@ -6,8 +6,8 @@ import pytest
 
 import fpm
 from deployable.campaign.cli import main
+from deployable.campaign.convert import convert
 from deployable.campaign.errors import CampaignError
-from deployable.campaign.mjcf import convert
 from evidence.benchmark.peers import mjcf
 from fpm import structures
 from fpm.elements import Damper, Friction, Strut, TorqueMotor, TorsionSpring
@@ -314,7 +314,7 @@ def test_the_command_prints_what_is_not_taken(tmp_path, capsys):
 REFUSED = {
     "no model": ("<mujoco><worldbody>", "", "MuJoCo cannot read it: "),
     "no joint": (model(""), "", "has no body that moves"),
-    "no keyframe": (model(FREE), "home", "allowed: none, as the model has no keyframe"),
+    "no keyframe": (model(FREE), "home", "allowed: .there is none."),
     "several joints of a body": (
         model('<joint name="a" axis="1 0 0"/><joint name="b" axis="0 1 0"/>'), "",
         "several joints of body arm; allowed: one for each body; put a light body ",

@@ -242,7 +242,7 @@ def _structure(options: argparse.Namespace) -> int:
 
 def _convert(options: argparse.Namespace) -> int:
     """Write an MJCF or URDF model as the file of a structure, and print what is not taken."""
-    from deployable.campaign.mjcf import convert
+    from deployable.campaign.convert import convert
 
     print("\n".join([*convert(options.model, options.to, options.keyframe), str(options.to)]))
     return 0

@@ -4,12 +4,12 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
+from deployable.campaign.convert import write_mjcf
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.export.selection import SelectedRun, choose
 from deployable.campaign.export.tables import write_figures, write_tables
 from deployable.campaign.export.vtk import write_vtk
 from deployable.campaign.files import check_results
-from deployable.campaign.mjcf import write_mjcf
 from deployable.campaign.pictures.animation import write_moving
 from deployable.campaign.pictures.glb import write_glb
 from fpm.errors import did_you_mean

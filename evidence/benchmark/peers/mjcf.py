@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 import fpm
-from deployable.campaign.mjcf import convert
+from deployable.campaign.convert import convert
 from fpm import structures
 
 FOLDER = Path(__file__).with_name("models")

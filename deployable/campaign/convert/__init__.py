@@ -103,8 +103,7 @@ class Draft:
             self._leave_meshes(spec)
             self.m = m = spec.compile()
         except (ValueError, OSError) as error:
-            remedy = "; allowed: bodies with `inertial`" * ("mass and inertia" in str(error))
-            raise CampaignError(f"{path}: MuJoCo cannot read it: {error}{remedy}") from None
+            raise CampaignError(f"{path}: MuJoCo cannot read it: {error}") from None
         contacts = np.any(m.geom_contype[:, None] & m.geom_conaffinity) or m.npair
         if contacts and not m.opt.disableflags & mj.mjtDisableBit.mjDSBL_CONTACT:
             self.leave_out("contact of geoms", "bodies pass through each other")
@@ -113,15 +112,14 @@ class Draft:
         if keyframe in keys:
             mj.mj_resetDataKeyframe(m, self.d, keys.index(keyframe))
         elif keyframe:
-            allowed = ", ".join(keys) or "none, as the model has no keyframe"
-            raise CampaignError(f"--keyframe {keyframe} is not in {path}; allowed: {allowed}")
+            raise CampaignError(f"--keyframe {keyframe} is not in {path}; allowed: {commas(keys)}")
         for key in sorted({*keys} - {keyframe}):
             self.leave_out(f"keyframe {key}", f"the structure starts there by --keyframe {key}")
         mj.mj_forward(m, self.d)
         self.table: dict[str, Any] = {group: {} for group in GROUPS.split()}
         if not m.opt.disableflags & mj.mjtDisableBit.mjDSBL_GRAVITY:
             self.table["gravity"] = _digits(m.opt.gravity)
-        self.parts, self.sites = ["ground"] * m.nbody, list[dict]()
+        self.parts, self.sites = np.array(["ground"] * m.nbody, object), list[dict]()
         self.openings: dict[int, tuple[str, str]] = {}
         self._names = Names(Problems(""), {})
         self._add_bodies()
@@ -140,8 +138,7 @@ class Draft:
         fixed = [spec.worldbody, *(body for body in spec.worldbody.bodies if not body.joints)]
         for geom in (geom for geom in spec.geoms if geom.meshname):
             if geom.parent in fixed or (geom.parent.explicitinertial and not is_all):
-                geom.type, geom.meshname = self.mj.mjtGeom.mjGEOM_SPHERE, ""
-                geom.size = [1e-3, 0, 0]
+                geom.type, geom.meshname, geom.size = self.mj.mjtGeom.mjGEOM_SPHERE, "", [1] * 3
         for mesh in [*spec.meshes]:
             if all(geom.meshname != mesh.name for geom in spec.geoms):
                 spec.delete(mesh)
@@ -187,41 +184,36 @@ class Draft:
 
     def _add_bodies(self) -> None:
         """Add bodies that move, each with all that is welded to it, and points of all sites."""
-        m, groups = self.m, defaultdict(list)
+        m, d, groups = self.m, self.d, defaultdict(list)
         for body in range(1, m.nbody):
             groups[m.body_weldid[body]].append(body)
         for part, bodies in groups.items():
-            first, *others = names = [self.name_of("body", body) for body in bodies]
+            names = [self.name_of("body", body) for body in bodies]
             if part == 0 or m.body_mocapid[part] >= 0:
                 self.notes += [f"body {name} is fixed to the ground" for name in names]
-            else:
-                self.notes += [f"body {name} is held rigidly on {first}" for name in others]
-                self._add_body(first, bodies)
+                continue
+            self.notes += [f"body {name} is held rigidly on {names[0]}" for name in names[1:]]
+            masses = m.body_mass[bodies]
+            centre = masses @ d.xipos[bodies] / masses.sum()
+            axes, arms = d.ximat[bodies].reshape(-1, 3, 3), d.xipos[bodies] - centre
+            tensor = np.einsum("bij,bj,bkj", axes, m.body_inertia[bodies], axes)
+            tensor += np.sum(masses @ arms**2) * np.eye(3) - (masses * arms.T) @ arms
+            values, (x, _, z) = (pair := np.linalg.eigh(tensor))[0], pair[1].T
+            keys = {"centre": self.point(f"{names[0]}_centre", centre, []), "x": _digits(x)}
+            keys |= {"mass": _digits(masses.sum()), "inertia": _digits(values), "up": _digits(z)}
+            name = self.add("bodies", names[0], **keys)
+            self.parts[bodies] = name
+            jacobians = np.zeros((2, 3, m.nv))
+            self.mj.mj_jac(m, d, *jacobians, centre, part)
+            velocity, spin = jacobians @ d.qvel
+            if velocity.any() or spin.any() or m.jnt_type[m.body_jntadr[part]] == 0:  # free
+                motion = {"velocity": _digits(velocity), "spin": _digits(spin)}
+                self.add("initial_velocities", name, part=name, about=keys["centre"], **motion)
         for i in range(m.nsite):
             part, name = self.parts[m.site_bodyid[i]], self.name_of("site", i)
-            self.sites.append({"part": part, "at": self.point(name, self.d.site_xpos[i], [part])})
+            self.sites.append({"part": part, "at": self.point(name, d.site_xpos[i], [part])})
             if m.site(i).name:
                 self.add("record", name, **self.sites[i])
-
-    def _add_body(self, name: str, bodies: list[int]) -> None:
-        """Add a body with the mass, inertia and motion of all `bodies`."""
-        m, d, masses = self.m, self.d, self.m.body_mass[bodies]
-        centre = masses @ d.xipos[bodies] / masses.sum()
-        axes, arms = d.ximat[bodies].reshape(-1, 3, 3), d.xipos[bodies] - centre
-        tensor = np.einsum("bij,bj,bkj", axes, m.body_inertia[bodies], axes)
-        tensor += np.sum(masses @ arms**2) * np.eye(3) - (masses * arms.T) @ arms
-        values, (x, _, z) = (pair := np.linalg.eigh(tensor))[0], pair[1].T
-        point = self.point(f"{name}_centre", centre, [])
-        keys = {"centre": point, "mass": _digits(masses.sum()), "inertia": _digits(values)}
-        name = self.add("bodies", name, **keys, x=_digits(x), up=_digits(z))
-        for body in bodies:
-            self.parts[body] = name
-        jacobians = np.zeros((2, 3, m.nv))
-        self.mj.mj_jac(m, d, *jacobians, centre, bodies[0])
-        velocity, spin = jacobians @ d.qvel
-        if velocity.any() or spin.any() or m.jnt_type[m.body_jntadr[bodies[0]]] == 0:  # free
-            keys = {"about": point, "velocity": _digits(velocity), "spin": _digits(spin)}
-            self.add("initial_velocities", name, part=name, **keys)
 
     def _add_joints(self) -> None:
         """Add joints of the tree with what acts on them. A limit becomes a stop with the stiffness
@@ -267,19 +259,19 @@ class Draft:
         m, d, mj = self.m, self.d, self.mj
         connects: dict[frozenset, tuple] = {}
         for i, kind in enumerate(m.eq_type):
-            name, bodies = self.name_of("equality", i), [m.eq_obj1id[i], m.eq_obj2id[i]]
+            name, ids = self.name_of("equality", i), [m.eq_obj1id[i], m.eq_obj2id[i]]
             rows = (d.efc_type == mj.mjtConstraint.mjCNSTR_EQUALITY) & (d.efc_id == i)
             gaps = np.abs(d.efc_pos[rows])  # three places; of a weld also three angles
-            arms = m.eq_data[i, :6].reshape(2, 3, 1)[:: 1 if kind == 0 else -1]
-            places = d.xpos[bodies] + (d.xmat[bodies].reshape(2, 3, 3) @ arms)[:, :, 0]
-            if m.eq_objtype[i] == mj.mjtObj.mjOBJ_SITE:
-                bodies, places = m.site_bodyid[bodies], d.site_xpos[bodies]
-            parts = [self.parts[body] for body in bodies]
-            is_turned = gaps[3:].max(initial=0.0) >= OPEN
-            if kind > 1 or not m.eq_active0[i] or is_turned or parts[0] == parts[1]:
+            is_site = m.eq_objtype[i] == mj.mjtObj.mjOBJ_SITE
+            bodies = m.site_bodyid[ids] if is_site else ids if kind < 2 else [0, 0]
+            is_turned, parts = gaps[3:].max(initial=0.0) >= OPEN, [self.parts[b] for b in bodies]
+            if not m.eq_active0[i] or is_turned or parts[0] == parts[1]:
                 text = "connect and weld of two parts, active at the start, where no weld is turned"
                 self.leave_out(f"equality {name}", f"allowed: {text}")
                 continue
+            arms = m.eq_data[i, :6].reshape(2, 3, 1)[:: -1 if kind else 1]
+            places = d.xpos[bodies] + (d.xmat[bodies].reshape(2, 3, 3) @ arms)[:, :, 0]
+            places = d.site_xpos[ids] if is_site else places
             is_open, pair = gaps.max(initial=0.0) >= OPEN * m.stat.extent, frozenset(parts)
             joint, place = connects.pop(pair, ("", places[0]))
             length = np.linalg.norm(line := places[0] - place)
@@ -288,10 +280,10 @@ class Draft:
                 self.notes.append(f"{joint} and {name} are one revolute joint")
                 continue
             if is_open:
-                ends = zip(parts, places, strict=True)
-                point: Any = {part: self.point(f"{name}_{part}", x, [part]) for part, x in ends}
                 self.table["assemble"] = "true"
                 self.notes.append(f"equality {name} is open at the start, and closed before a run")
+                ends = zip(parts, places, strict=True)
+                point: Any = {part: self.point(f"{name}_{part}", x, [part]) for part, x in ends}
             else:
                 point = self.point(name, places[0], parts)
             type_ = "fixed" if kind and m.eq_data[i, 10] else "spherical"  # torquescale
@@ -331,11 +323,7 @@ class Draft:
         motor; what falls with the position is a spring, with the rate a damper."""
         motors: dict[int, dict[str, float]] = defaultdict(dict)  # forces, by joint: one motor each
         for i in range(self.m.nactuator):
-            a, name, joint = (
-                self.m.actuator(i),
-                self.name_of("actuator", i),
-                self.m.actuator(i).trnid[0],
-            )
+            a, name = self.m.actuator(i), self.name_of("actuator", i)
             bias, joint = a.biasprm[:3] * a.biastype[0], int(a.trnid[0])
             # on a hinge or slide, or in its parent, with no bias or an affine one
             is_plain = a.trntype[0] <= 1 and a.biastype[0] <= 1 and self.m.jnt_type[joint] > 1
@@ -346,6 +334,7 @@ class Draft:
             control = np.clip(control, *a.ctrlrange) if a.ctrllimited[0] else control
             force = a.gear[0] * (a.gainprm[0] * control + bias[0])
             stiffness, damping = -(a.gear[0] ** 2) * bias[1:]
+            self.notes.append(f"actuator {name} has the control {control:g} all the time")
             if stiffness:
                 unit = self.openings[joint][1]
                 rest = self.parameter(f"{name}_target", force / stiffness, unit, name)
@@ -354,7 +343,6 @@ class Draft:
                 motors[joint][name] = force
             if damping:
                 self.act(joint, name, "damping", damping)
-            self.notes.append(f"actuator {name} has the control {control:g} all the time")
         for joint, forces in motors.items():
             self.act(joint, "_".join(forces), "motor", sum(forces.values()))
 
@@ -399,7 +387,7 @@ def write_mjcf(run: Any, folder: Path, frames: int) -> list[Path]:
     there as the keyframe `start`; frames: not used. CampaignError without mujoco, and for what has
     no equivalent."""
     scene = consistent_scene(run.scene)
-    names = ["the body world, which has the name of the ground"] * ("world" in scene.bodies)
+    names = []
     for element in (element for elements in scene.kinds.values() for element in elements):
         noun = {e.Beams: "bar", e.Hinge: "joint", e.Joint: "joint"}.get(type(element))
         noun = "support" if getattr(element, "type", "") == "held" else noun
@@ -425,8 +413,10 @@ def _refuse(names: list[str], allowed: str) -> None:
         raise CampaignError(text)
 
 
-def _put(element: Any, **keys: Any) -> Any:
-    """Set attributes of an XML element, and return it: texts, or numbers with 15 digits."""
+def _put(element: Any, tag: str = "", **keys: Any) -> Any:
+    """Set attributes (texts, or numbers with 15 digits) of an XML element, or of a new one in it
+    with a tag; returns that element."""
+    element = SubElement(element, tag) if tag else element
     for key, value in keys.items():
         is_text = isinstance(value, str)
         element.set(key, value if is_text else " ".join(f"{x + 0.0:.15g}" for x in np.ravel(value)))
@@ -452,7 +442,7 @@ class Tree:
         motors = e.TorqueMotor.find(scene)
         for i, motor in enumerate(motors):
             joint = scene.hinges[motor.hinge].name
-            _put(SubElement(self.actuator, "motor"), name=f"{joint}_motor{i or ''}", joint=joint)
+            _put(self.actuator, "motor", name=f"{joint}_motor{i or ''}", joint=joint)
         model = mujoco.MjModel.from_xml_string(tostring(root, encoding="unicode"))
         self._add_stops(model)
         data, motion = mujoco.MjData(model), moving_at_start(scene)
@@ -463,7 +453,7 @@ class Tree:
         rates = np.stack([motion.velocity, motion.spin], axis=1)[[*self.names]]
         qvel = np.linalg.lstsq(jacobians.reshape(-1, model.nv), rates.ravel())[0]
         ctrl = [motor.torque for motor in motors]
-        _put(SubElement(keyframe, "key"), name="start", qvel=qvel, ctrl=ctrl)
+        _put(keyframe, "key", name="start", qvel=qvel, ctrl=ctrl)
 
     def _add_bodies(self) -> list:
         """Add all bodies, each on one that is there already, by a joint on which something acts if
@@ -475,70 +465,63 @@ class Tree:
         joints.sort(key=lambda joint: joint in closing)
         while others := [p for p in self.names if p not in bodies]:
             ready = (j for j in joints if sum(p in bodies for p in j.particles) == 1)
-            parent, child, keys = -1, others[0], {"type": "free", "name": f"{others[0]}_free"}
-            if joint := next(ready, None):
+            parent, child, joint = -1, others[0], next(ready, None)
+            if joint:
                 joints.remove(joint)
-                sign = -1 if joint.particles[1] in bodies else 1
-                parent, child = joint.particles[::sign]
-                keys = self._describe(joint, sign)
-            body = bodies[child] = SubElement(bodies[parent], "body")
-            axes, inertia = scene.frame[child].T[:2], scene.inertia[child]
-            place = _put(SubElement(_put(body, name=self.names[child]), "inertial"), xyaxes=axes)
-            _put(place, pos=scene.position[child], mass=scene.mass[child], diaginertia=inertia)
-            if keys:
-                _put(SubElement(body, "joint"), **keys)
+                parent, child = joint.particles[:: -1 if joint.particles[1] in bodies else 1]
+            body = bodies[child] = _put(bodies[parent], "body", name=self.names[child])
+            inertial = _put(body, "inertial", pos=scene.position[child], mass=scene.mass[child])
+            _put(inertial, xyaxes=scene.frame[child].T[:2], diaginertia=scene.inertia[child])
+            if not joint:
+                _put(body, "freejoint", name=f"{self.names[child]}_free")
+            elif joint.type in JOINTS:
+                self._add_joint(body, joint, 1 if child == joint.particles[1] else -1)
         names = [f"the loop of {joint.joint}" for joint in joints if joint not in closing]
         _refuse(names, "loops with a revolute, spherical or fixed joint on which nothing acts")
         return joints
 
-    def _describe(self, joint: Any, sign: int) -> dict[str, Any]:
-        """Return the attributes of a joint by which a body hangs on another, none for a fixed one;
-        sign: -1 if the body is the first part."""
-        if joint.type not in JOINTS:
-            return {}
-        place = joint.beams[1].end_in(self.scene)
-        keys = {"name": joint.joint, "type": JOINTS[joint.type], "pos": place}
+    def _add_joint(self, body: Any, joint: Any, sign: int) -> None:
+        """Add the joint by which a body hangs on another; sign: -1 if it is the first part."""
+        scene, place = self.scene, joint.beams[1].end_in(self.scene)
+        element = _put(body, "joint", name=joint.joint, type=JOINTS[joint.type], pos=place)
         if isinstance(joint, e.Hinge):
-            keys["axis"] = sign * self.scene.frame[joint.particles[0]] @ joint.axes[0]
-            keys["ref"], moment = joint.opening, 0.0
+            axis, moment = sign * scene.frame[joint.particles[0]] @ joint.axes[0], 0.0
+            _put(element, axis=axis, ref=joint.opening)
             for word, (kind, words, _) in [*ACTIONS.items()][:3]:
-                actions = [x for x in kind.find(self.scene) if self.scene.hinges[x.hinge] is joint]
-                keys[word] = sum(getattr(x, words.split(", ")[1]) for x in actions)
+                actions = [x for x in kind.find(scene) if scene.hinges[x.hinge] is joint]
+                _put(element, **{word: sum(getattr(x, words.split(", ")[1]) for x in actions)})
                 moment += sum(x.stiffness * x.rest for x in actions if word == "stiffness")
-            keys["springref"] = moment / (keys["stiffness"] or 1.0)
-        return keys
+            _put(element, springref=moment / (float(element.get("stiffness")) or 1.0))
 
     def _add_site(self, name: str, beam: Any) -> None:
-        site = SubElement(self.bodies[beam.particle], "site")
-        _put(site, name=name, pos=beam.end_in(self.scene), size=0.005)
+        place = beam.end_in(self.scene)
+        _put(self.bodies[beam.particle], "site", name=name, pos=place, size=0.005)
 
     def _add_loops(self, joints: list) -> None:
         """Add equalities for joints; the second of a revolute one lies further along its axis."""
         for joint in joints:
             first, second = (self.names.get(p, "world") for p in joint.particles)
             axis = self.scene.frame[joint.particles[0]] @ joint.axes[0]
-            step = 0.2 * np.ptp(self.scene.position) * axis
             for i, tag in enumerate(CLOSING[joint.type]):
-                keys = {"anchor": joint.beams[0].end_in(self.scene) + i * step}
-                keys = {} if tag == "weld" else keys
-                keys |= {"name": joint.name + i * "_axis", "body1": first, "body2": second}
-                _put(SubElement(self.equality, tag), **keys)
+                keys = {"name": joint.name + i * "_axis", "body1": first, "body2": second}
+                equality = _put(self.equality, tag, **keys)
+                if tag == "connect":
+                    step = 0.2 * i * np.ptp(self.scene.position) * axis
+                    _put(equality, anchor=joint.beams[0].end_in(self.scene) + step)
 
     def _add_tendons(self) -> None:
         """Add cables and struts, with the lengths between which each is slack."""
-        scene, tendons = self.scene, list[tuple]()
-        for cable in e.Cable.find(scene):
-            tendons.append((cable, cable.stiffness / cable.rest, [0.0, cable.rest], 0.0))
-        for strut in e.Strut.find(scene):
-            (push, pull), rest = strut.slopes, strut.lengths[0]
+        for element in (*e.Cable.find(self.scene), *e.Strut.find(self.scene)):
+            if isinstance(element, e.Cable):
+                push, pull, rest = 0.0, -element.stiffness / element.rest, element.rest
+            else:
+                (push, pull), rest = element.slopes, element.lengths[0]
             slack = [rest if push or not pull else 0.0, rest if pull or not push else 1e6]
-            tendons.append((strut, -min(push, pull), slack, strut.damping))
-        for element, stiffness, slack, damping in tendons:
-            tendon = _put(SubElement(self.tendon, "spatial"), name=element.name, damping=damping)
-            _put(tendon, stiffness=stiffness, springlength=slack)
+            tendon = _put(self.tendon, "spatial", name=element.name, stiffness=-min(push, pull))
+            _put(tendon, springlength=slack, damping=getattr(element, "damping", 0.0))
             for i, beam in enumerate(element.beams):
                 self._add_site(f"{element.name}_{i}", beam)
-                _put(SubElement(tendon, "site"), site=f"{element.name}_{i}")
+                _put(tendon, "site", site=f"{element.name}_{i}")
 
     def _add_stops(self, model: Any) -> None:
         """Add stops as ranges of joints, with stiffness and damping in the terms of the soft limits

@@ -75,6 +75,7 @@ JOINTS = {
     'solreflimit="0.05 0.3" solimplimit="0.9999 0.9999 1e-3"/>',
     "friction of a slide": '<joint name="a" type="slide" axis="1 0 0.2" frictionloss="1.5" '
     'stiffness="50" springref="0.3" solreffriction="2e-4 1" solimpfriction="0.9999 0.9999 1e-3"/>',
+    "class": '<joint name="a" class="k" axis="0 1 0.2" ref="0.7"/>',
     "spring between sites": FREE,
     "weld": '<joint name="a" axis="0 1 0"/>',
     "weld of places alone": '<joint name="a" axis="0 1 0"/>',
@@ -86,13 +87,14 @@ TIE = """<tendon><spatial name="tie" stiffness="200" springlength="0.9" damping=
 WELD = f"""<default><equality solref="2e-3 1" solimp="0.9999 0.9999 1e-3"/></default><worldbody>
 <body name="bob" pos="0.5 0 0"><joint name="b" type="free"/>{INERTIAL}</body></worldbody><equality>
 <weld name="glue" body1="arm" body2="bob" anchor="0.1 0 0"/></equality>"""
+CLASS = """<default><default class="k"><joint stiffness="9" springref="0.2"/></default></default>"""
 HIT = """<keyframe><key name="k" qvel="2"/></keyframe>"""
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", JOINTS)
 def test_other_joints_move_as_in_mujoco(kind, made):
-    rest = {"spring between sites": TIE, "weld": WELD}.get(kind, "")
+    rest = {"spring between sites": TIE, "weld": WELD, "class": CLASS}.get(kind, "")
     rest = WELD.replace("anchor", 'torquescale="0" anchor') if "places" in kind else rest
     text, keyframe = model(JOINTS[kind], rest), ""
     if "limits" in kind:  # without weight, as the limit's own spring alone moves a body there
@@ -251,6 +253,12 @@ LEFT = {  # XML of the body, the rest, and what is said of it
         FREE, '<tendon><spatial name="t" range="0.5 2"><site site="eye"/><site site="end"/>'
         "</spatial></tendon>", "range of spatial t",
     ),
+    "tendon that is slack nowhere": (
+        FREE, '<tendon><spatial name="t" stiffness="9" springlength="0"><site site="eye"/><site '
+        'site="end"/></spatial></tendon>', "tendon t",
+    ),
+    "thruster": (FREE, '<actuator><general name="jet" site="end" gear="0 0 1 0 0 0"/></actuator>',
+                 "actuator jet"),
     "range without a damping ratio": (
         '<joint name="a" range="-1 1" solreflimit="0.02 0"/>', "", "range of joint a",
     ),

@@ -239,6 +239,8 @@ LEFT = {  # XML of the body, the rest, and what is said of it
                     "</actuator>", "forcerange of general m"),
     "keyframe": ('<joint name="a"/>', '<keyframe><key name="home" qpos="1"/></keyframe>',
                  "keyframe home"),
+    "keyframe without a name": (FREE, '<keyframe><key qvel="1 0 0 0 0 0"/></keyframe>',
+                                "keyframe key0"),
     "flag": (FREE, '<option><flag clampctrl="disable" island="disable"/></option>',
              "clampctrl of flag"),
     "wind": (FREE, '<option wind="1 0 0"/>', "wind of option"),

@@ -108,7 +108,7 @@ class Draft:
         if contacts and not m.opt.disableflags & mj.mjtDisableBit.mjDSBL_CONTACT:
             self.leave_out("contact of geoms", "bodies pass through each other")
         self.d = mj.MjData(m)
-        keys = [m.key(i).name for i in range(m.nkey)]
+        keys = [self.name_of("key", i) for i in range(m.nkey)]
         if keyframe in keys:
             mj.mj_resetDataKeyframe(m, self.d, keys.index(keyframe))
         elif keyframe:

@@ -255,10 +255,8 @@ LEFT = {  # XML of the body, the rest, and what is said of it
         FREE, '<tendon><spatial name="t" range="0.5 2"><site site="eye"/><site site="end"/>'
         "</spatial></tendon>", "range of spatial t",
     ),
-    "tendon that is slack nowhere": (
-        FREE, '<tendon><spatial name="t" stiffness="9" springlength="0"><site site="eye"/><site '
-        'site="end"/></spatial></tendon>', "tendon t",
-    ),
+    "tendon that is slack nowhere": (FREE, TIE.replace("0.9", "0"), "tendon tie"),
+    "tendon between sites of one part": (FREE, TIE.replace('"end"', '"e1"'), "tendon tie"),
     "thruster": (FREE, '<actuator><general name="jet" site="end" gear="0 0 1 0 0 0"/></actuator>',
                  "actuator jet"),
     "range without a damping ratio": (

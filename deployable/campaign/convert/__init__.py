@@ -297,15 +297,15 @@ class Draft:
         for i in range(m.ntendon):
             name, rows = self.name_of("tendon", i), m.tendon_adr[i] + np.arange(m.tendon_num[i])
             stiffness, damping = m.tendon_stiffness[i], m.tendon_damping[i]
-            low, high = _digits(m.tendon_lengthspring[i])  # between which the spring is slack
+            low, high = _digits(m.tendon_lengthspring[i] * (stiffness > 0))  # slack between these
             is_rope = np.all(m.wrap_type[rows] == self.mj.mjtWrap.mjWRAP_SITE)
-            is_strut = damping or (stiffness and low)
-            if not is_rope or (stiffness and not high) or (is_strut and len(rows) > 2):
-                text = 'through two sites, or more with springlength="0 L" and no damping'
+            ends = [self.sites[site] for site in m.wrap_objid[rows]] if is_rope else []
+            is_inner, is_strut = len({end["part"] for end in ends}) < 2, damping or low
+            if is_inner or (stiffness and not high) or (is_strut and len(rows) > 2):
+                text = 'between two parts, with more sites with springlength="0 L" and no damping'
                 self.leave_out(f"tendon {name}", f"allowed: spatial tendons {text}")
                 continue
-            ends = [self.sites[site] for site in m.wrap_objid[rows]]
-            if stiffness and low:
+            if low:
                 sides = {"both ways": high} if low == high else {"push": low, "pull": high}
                 keys = {"type": "spring", "between": ends}
                 keys["stiffness"] = self.parameter(f"{name}_stiffness", stiffness, "N/m", name)

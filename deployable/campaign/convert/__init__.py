@@ -463,9 +463,9 @@ class Tree:
         joints = [*scene.hinges, *scene.kinds.get(e.Joint, [])]
         closing = [x for i, x in enumerate(joints) if i not in acts and x.type in CLOSING]
         joints.sort(key=lambda joint: joint in closing)
-        while others := [p for p in self.names if p not in bodies]:
+        while particles := [p for p in self.names if p not in bodies]:
             ready = (j for j in joints if sum(p in bodies for p in j.particles) == 1)
-            parent, child, joint = -1, others[0], next(ready, None)
+            parent, child, joint = -1, particles[0], next(ready, None)
             if joint:
                 joints.remove(joint)
                 parent, child = joint.particles[:: -1 if joint.particles[1] in bodies else 1]

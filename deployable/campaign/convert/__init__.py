@@ -63,9 +63,8 @@ def load_mujoco() -> Any:
 
 def convert(path: Path, target: Path, keyframe: str = "") -> list[str]:
     """Write the model in a file, MJCF or URDF, as the file of a structure; returns notes on what is
-    not taken, or not as it is. CampaignError without `mujoco`, for a model that it cannot read, and
-    for joints without an equivalent. target: file to make (.yaml); keyframe: at which the structure
-    starts; "": where the model's file has its bodies."""
+    not taken, or not as it is. CampaignError for a model that cannot be read. target: file to make
+    (.yaml); keyframe: at which the structure starts; "": where the model's file has its bodies."""
     if target.exists() or target.suffix not in (".yaml", ".yml"):
         raise CampaignError(f"--to {target}; allowed: a .yaml file that does not exist yet")
     if not path.is_file() or path.suffix in (".yaml", ".yml", ".xacro", ".sdf"):
@@ -224,10 +223,9 @@ class Draft:
             raise CampaignError(f"several joints of body {', '.join(names)}; allowed: {allowed}")
         for i, kind in enumerate(m.jnt_type):
             joint, body, name = m.joint(i), m.jnt_bodyid[i], self.name_of("joint", i)
-            parts, unit = [self.parts[m.body_parentid[body]], self.parts[body]], "rad"
+            parts, unit = [*self.parts[[m.body_parentid[body], body]]], "m" if kind == 2 else "rad"
             keys: dict[str, Any] = {"type": [*JOINTS][kind - 1], "parts": parts}
             if kind > 1:
-                unit = "m" if kind == 2 else "rad"
                 place = _with_unit(d.qpos[joint.qposadr[0]], unit)
                 keys |= {"axis": _digits(d.xaxis[i]), "opening": place}
             if kind > 0:
@@ -383,9 +381,8 @@ CONDITIONS: dict = dict.fromkeys([*KINDS, e.Stop, e.Gravity], lambda element: Tr
 
 
 def write_mjcf(run: Any, folder: Path, frames: int) -> list[Path]:
-    """Write the structure of a run at its start as `<run.name>.xml` into `folder`, with its motion
-    there as the keyframe `start`; frames: not used. CampaignError without mujoco, and for what has
-    no equivalent."""
+    """Write the structure of a run at its start as `<run.name>.xml` into `folder`, and its motion
+    as the keyframe `start`. CampaignError for what has no equivalent. frames: not used."""
     scene = consistent_scene(run.scene)
     names = []
     for element in (element for elements in scene.kinds.values() for element in elements):
@@ -452,8 +449,7 @@ class Tree:
             mujoco.mj_jacBodyCom(model, data, *jacobian, model.body(name).id)
         rates = np.stack([motion.velocity, motion.spin], axis=1)[[*self.names]]
         qvel = np.linalg.lstsq(jacobians.reshape(-1, model.nv), rates.ravel())[0]
-        ctrl = [motor.torque for motor in motors]
-        _put(keyframe, "key", name="start", qvel=qvel, ctrl=ctrl)
+        _put(keyframe, "key", name="start", qvel=qvel, ctrl=[motor.torque for motor in motors])
 
     def _add_bodies(self) -> list:
         """Add all bodies, each on one that is there already, by a joint on which something acts if

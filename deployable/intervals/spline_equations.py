@@ -15,7 +15,7 @@ import scipy
 
 from .errors import IntervalError
 
-_COLUMNS, _BLOCK, _MOST_RESULTS = 512, 1 << 14, 32
+_COLUMNS, _BLOCK, _MOST_RESULTS, _FEW = 512, 1 << 14, 32, 64
 _CONDITION = 1e9  # of the equations of runs left out together: above it others give no spline
 # Runs closer than this, in unit coordinates, count once: the weights of three runs at distances h
 # are of the order 1 / h^3. On a line no weights are needed.
@@ -47,11 +47,20 @@ def remember(function: Callable) -> Callable:
     return call
 
 
-def squares(x: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """Return the squares (P, N) of the distances between points x (P, k) and `points` (N, k)."""
-    values = (x**2).sum(axis=1)[:, None] + (points**2).sum(axis=1)
-    values -= 2 * x @ points.T
-    return np.maximum(values, 0.0, out=values)
+def remember_latest(method: Callable) -> Callable:
+    """Decorate a method of points (P, k). Its latest results, for few and for many points, are
+    returned again for equal points, as several masks and fits, and a search's end, ask for them."""
+    name = f"latest {method.__name__}"
+
+    @wraps(method)
+    def call(self: Any, points: np.ndarray) -> Any:
+        points, latest = np.asarray(points, dtype=float), self.__dict__.setdefault(name, {})
+        key, is_many = points.tobytes(), len(points) > _FEW
+        if is_many not in latest or latest[is_many][0] != key:
+            latest[is_many] = key, method(self, points)
+        return latest[is_many][1]
+
+    return call
 
 
 def stands_alone(points: np.ndarray) -> np.ndarray:

@@ -177,11 +177,12 @@ def _derivatives(spline, flat, x) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     for start in range(0, len(y), step):
         part = slice(start, start + step)
         offsets = y[part, None, :] - points
-        distance = np.sqrt((offsets**2).sum(axis=-1))
+        squares = np.einsum("tnf,tnf->tn", offsets, offsets)
+        distance = np.sqrt(squares)
         weight, linear = flat[:n, part].T, flat[n + 1 :, part].T
-        value[part] = (weight * distance**3).sum(axis=1) + flat[n, part]
-        value[part] += (linear * y[part]).sum(axis=1)
         by_distance = weight * distance
+        value[part] = np.einsum("tn,tn->t", by_distance, squares) + flat[n, part]
+        value[part] += (linear * y[part]).sum(axis=1)
         slope[part] = 3 * np.einsum("tn,tnf->tf", by_distance, offsets) + linear
         ratio = np.divide(weight, distance, out=np.zeros_like(distance), where=distance > 0)
         curvature[part] = 3 * (offsets * ratio[..., None]).transpose(0, 2, 1) @ offsets

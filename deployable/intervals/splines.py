@@ -8,13 +8,14 @@ it overshoots by a tenth of it. Source: Wendland, Scattered Data Approximation (
 chapter 8; left-out errors without refitting: Rippa 1999. How it is solved: spline_equations.py."""
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import scipy
 
 from .chebyshev import Formula, cubes
 from .errors import IntervalError
-from .spline_equations import Polyharmonic, distinct, in_blocks, line_rows, solve_line, squares
+from .spline_equations import Polyharmonic, distinct, in_blocks, line_rows, solve_line
 
 MAX_RUNS = 4000  # the spline's matrix is full
 _SCALE_RUNS = 400  # runs that choose the scales
@@ -49,7 +50,7 @@ class Spline:
     argmax: np.ndarray
     misfit: np.ndarray
 
-    @property
+    @cached_property
     def on_line(self) -> bool:
         """Whether runs differ in one parameter only; `weights` are of another form then."""
         return len(self.points) > 1 and int((self.scales > 0).sum()) == 1
@@ -68,7 +69,11 @@ class Spline:
             ends = np.arange(0, 4 * len(index) + 1, 4)
             shape = (len(index), len(self.weights))
             return scipy.sparse.csr_array((factor.ravel(), index.ravel(), ends), shape=shape)
-        return _rows(np.asarray(points, dtype=float), self.points, self.scales)
+        return _rows(_scale(np.asarray(points, dtype=float), self.scales), self._scaled_points)
+
+    @cached_property
+    def _scaled_points(self) -> np.ndarray:
+        return _scale(self.points, self.scales)
 
     def evaluate(self, points: np.ndarray) -> np.ndarray:
         """Values (P, ...) of the spline at `points` (P, k) in [-1, 1]^k."""
@@ -253,20 +258,22 @@ def _spread(points: np.ndarray) -> np.ndarray:
     return np.ptp(points, axis=0) > 0
 
 
-def _rows(x, points, scales) -> np.ndarray:
-    free = scales > 0
-    x, points = (x * scales)[:, free], (points * scales)[:, free]
+def _scale(points: np.ndarray, scales: np.ndarray) -> np.ndarray:
+    return (points * scales)[:, scales > 0]
+
+
+def _rows(x: np.ndarray, points: np.ndarray) -> np.ndarray:
     if len(points) == 1:
         return np.ones((len(x), 1))
-    square, rows = squares(x, points), np.empty((len(x), sum(points.shape) + 1))
-    np.multiply(square, np.sqrt(square), out=rows[:, : len(points)])
+    squares = scipy.spatial.distance.cdist(x, points, "sqeuclidean")
+    rows = np.empty((len(x), sum(points.shape) + 1))
+    np.multiply(squares, np.sqrt(squares), out=rows[:, : len(points)])
     rows[:, len(points)], rows[:, len(points) + 1 :] = 1.0, x
     return rows
 
 
 def _system(points, scales) -> Polyharmonic:
     """Equations of the weights that give values at the runs."""
-    rows = _rows(points, points, scales)
-    cubes = rows[:, : len(points)]
-    cubes[np.arange(len(points)), np.arange(len(points))] = 0.0
-    return Polyharmonic((cubes + cubes.T) / 2, rows[:, len(points) :])
+    points = _scale(points, scales)
+    rows = _rows(points, points)
+    return Polyharmonic(rows[:, : len(points)], rows[:, len(points) :])

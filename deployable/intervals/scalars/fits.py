@@ -17,7 +17,7 @@ from ..box import FEW_PARAMETERS, MOST_FULL, ROUNDING, is_general, keys
 from ..chebyshev import Formula, Surrogate, least_squares, polynomial, product_basis, total_degree
 from ..errors import IntervalError
 from ..estimates import power_mean
-from ..spline_equations import distinct, in_blocks, remember, stands_alone
+from ..spline_equations import distinct, in_blocks, remember, remember_latest, stands_alone
 from ..splines import MAX_RUNS, Spline, check_spline_runs, fit_spline
 
 if TYPE_CHECKING:
@@ -163,9 +163,10 @@ class Fit:
         function = getattr(self.function, "trend", self.function)
         return self if function is self.function else replace(self, function=function)
 
+    @remember_latest
     def evaluate(self, points: np.ndarray) -> np.ndarray:
         """Values (P) of the function at `points` (P, k) in [-1, 1]^k."""
-        return self.function.evaluate(np.asarray(points, dtype=float))[:, 0]
+        return self.function.evaluate(points)[:, 0]
 
     def evaluate_border(self, points: np.ndarray) -> np.ndarray:
         """Values (P) that the function has at `points` (P, k) in [-1, 1]^k if the border of where

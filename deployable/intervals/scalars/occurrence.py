@@ -19,7 +19,7 @@ import scipy
 from ..box import FEW_PARAMETERS, is_general
 from ..chebyshev import Formula
 from ..designs import scan_points, spread_points
-from ..spline_equations import distinct, in_blocks, remember, squares, stands_alone
+from ..spline_equations import distinct, in_blocks, remember, remember_latest, stands_alone
 
 if TYPE_CHECKING:
     from .fits import Fit
@@ -37,6 +37,7 @@ the function that separates them is at least in proportion to it."""
 _CONFIDENCE = 1.8
 _FOLDS, _DEVIATIONS = 8, 1.5  # of runs, left out in turn; of what is wrong there, likewise
 _LEVELS = (-0.7, -0.35, 0.0, 0.35, 0.7)  # of the function, at which runs are sought
+_BISECTIONS, _BORDER_BISECTIONS = 12, 30  # towards a level: nearer than runs are; to the border
 
 
 @dataclass(frozen=True)
@@ -49,7 +50,7 @@ class Occurrence:
     happens: np.ndarray
     reach: float = field(default=REACH, kw_only=True)
 
-    @property
+    @cached_property
     def is_mixed(self) -> bool:
         """Whether the event occurs in some of the runs, but not in all."""
         return bool(self.happens.any() and not self.happens.all())
@@ -59,19 +60,12 @@ class Occurrence:
         decision function (`decision`) has it."""
         return self.decision(points) >= 0
 
+    @remember_latest
     def decision(self, points: np.ndarray) -> np.ndarray:
         """Decision function (P), no probability, at `points` (P, k) in [-1, 1]^k: above 0
         where the event occurs, below 0 where not, undecided where its size is below `band`.
         Everywhere plus infinity if it occurs in all runs, minus infinity if in none."""
-        points = np.asarray(points, dtype=float)
-        if (key := points.tobytes()) not in self._latest:  # masks and fits ask for the same again
-            self._latest.clear()
-            self._latest[key] = self._decide(points)
-        return self._latest[key]
-
-    @cached_property
-    def _latest(self) -> dict[bytes, np.ndarray]:
-        return {}
+        return self._decide(points)
 
     def _decide(self, points: np.ndarray) -> np.ndarray:
         if not self.is_mixed:
@@ -187,7 +181,7 @@ class Occurrence:
         lows, border_points = lows[scipy.spatial.cKDTree(lows).query(highs)[1]], []
         for level in levels:
             high, low = highs, lows
-            for _ in range(30):
+            for _ in range(_BISECTIONS if level else _BORDER_BISECTIONS):
                 middle = (high + low) / 2
                 values = self._ratios(middle) if level else self.decision(middle)
                 happens = (values >= level)[:, None]
@@ -295,7 +289,7 @@ class NearestOccurrence(Occurrence):
 
 def matern(x: np.ndarray, points: np.ndarray) -> np.ndarray:
     """Matérn's kernel (P, N) with two derivatives, of unit points (P, k) and (N, k)."""
-    distance = np.sqrt(5 * squares(x, points)) / _LENGTH
+    distance = scipy.spatial.distance.cdist(x, points) * (np.sqrt(5) / _LENGTH)
     return (1 + distance + distance**2 / 3) * np.exp(-distance)
 
 

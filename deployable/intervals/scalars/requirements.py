@@ -507,24 +507,18 @@ def find_max_scale(
     is violated first beyond it and the point (k) where, both None if it is 1. It is 0 where the
     nominal point itself violates one."""
 
-    def first_violation(scale: float) -> tuple[float, int, np.ndarray] | None:
-        worst = [(*limit.worst(*sub_box(nominal, scale)), i) for i, limit in enumerate(limits)]
-        margin, point, i = min(worst, key=lambda row: row[0])
-        return None if margin >= 0 else (margin, i, point)
+    def is_kept(scale: float) -> bool:
+        return all(limit.worst(*sub_box(nominal, scale))[0] >= 0 for limit in limits)
 
-    worst_limit = first_violation(1.0)
-    if worst_limit is None:
+    if is_kept(1.0):
         return 1.0, None, None
-    low, high = 0.0, 1.0
-    if (at_nominal := first_violation(0.0)) is not None:
-        return 0.0, at_nominal[1], at_nominal[2]
-    for _ in range(_BISECTIONS):
+    low, high = 0.0, 1.0 if is_kept(0.0) else 0.0
+    for _ in range(_BISECTIONS if high else 0):
         middle = 0.5 * (low + high)
-        if (violation := first_violation(middle)) is None:
-            low = middle
-        else:
-            high, worst_limit = middle, violation
-    return low, worst_limit[1], worst_limit[2]
+        low, high = (middle, high) if is_kept(middle) else (low, middle)
+    worst = [limit.worst(*sub_box(nominal, high)) for limit in limits]
+    index = min(range(len(limits)), key=lambda i: worst[i][0])
+    return low, index, worst[index][1]
 
 
 _GRID, _ZOOM_GRID, _SPREAD = 33, 7, 128

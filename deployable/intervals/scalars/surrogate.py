@@ -71,7 +71,8 @@ def extreme(
     free = half > 0
     if free.sum() == 1:
         climbs = min(climbs, 1)  # on a line the points are close enough
-    order = np.argsort(-sign * values, kind="stable")[: max(climbs, 1)]
+    heights = sign * values
+    order = np.argsort(-heights, kind="stable")[:climbs] if climbs > 1 else [heights.argmax()]
     best, argument = float(values[order[0]]), trial[order[0]].copy()
     if not free.any() or not climbs:
         return best, argument
@@ -224,11 +225,9 @@ class ScalarSurrogate:
         return {}
 
     @cached_property
-    def _trial_points(self) -> np.ndarray | None:
+    def _trial_points(self) -> np.ndarray:
         """Unit points (P, k) at which extremes are sought: runs, and the limit-state surface."""
-        if self.fit is None:
-            return None
-        return np.concatenate([self.fit.points, self.occurrence.surface_points])
+        return np.concatenate([self.occurrence.points, self.occurrence.surface_points])
 
     def _part(
         self, lower: np.ndarray | None = None, upper: np.ndarray | None = None
@@ -247,9 +246,8 @@ class ScalarSurrogate:
         lower, upper = self._part(lower, upper)
         if not self.occurrence.is_mixed:
             return (lower + upper) / 2 if self.occurrence.happens.all() == happens else None
-        decision, points = self.occurrence.decision, self.occurrence.points
-        sign = 1.0 if happens else -1.0
-        value, point = self._find_once(decision, sign, lower, upper, points, climbs=1)
+        decision, sign = self.occurrence.decision, 1.0 if happens else -1.0
+        value, point = self._find_once(decision, sign, lower, upper, self._trial_points, climbs=1)
         return point if (value >= 0) == happens else None
 
 

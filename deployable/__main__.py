@@ -10,7 +10,7 @@ os.environ |= dict.fromkeys((f"{name}_NUM_THREADS" for name in LIBRARIES), "1")
 os.environ["VECLIB_MAXIMUM_THREADS"] = "1"
 # After each 700 new objects Python looks for circles that nobody uses: a tenth of a short stage.
 gc.set_threshold(10_000)
-# With its first dataset xarray loads dask, if that is installed, for half a second. Nothing uses it.
+# With its first dataset xarray would load dask for half a second, which nothing uses.
 sys.modules.setdefault("dask", None)  # type: ignore[arg-type]
 
 

@@ -147,8 +147,12 @@ class Polyharmonic:
         count, extra = linear.shape
         if count < extra or np.linalg.matrix_rank(linear) < extra:
             raise IntervalError("runs", count, f"at least {extra} runs that are not in one plane")
-        (raw, self._tau), self._triangle = scipy.linalg.qr(linear, mode="raw")
+        (raw, tau), self._triangle = scipy.linalg.qr(linear, mode="raw")
         self._mirrors = np.tril(raw, -1)[:, :extra] + np.eye(count, extra)
+        # Q = I - V C V^T of all mirrors V at once (Schreiber and Van Loan 1989)
+        self._core, products = np.diag(tau), self._mirrors.T @ self._mirrors
+        for j in range(extra):
+            self._core[:j, j] = -tau[j] * self._core[:j, :j] @ products[:j, j]
         self._extra, self._cubes = extra, cubes
         half = self._rotate(cubes).T
         try:
@@ -158,12 +162,8 @@ class Polyharmonic:
 
     def _rotate(self, x: np.ndarray, inverse: bool = False) -> np.ndarray:
         """Q^T x, or Q x: first come the coordinates in the linear functions."""
-        x = np.array(x)
-        numbers = range(self._extra)
-        for j in reversed(numbers) if inverse else numbers:
-            mirror = self._mirrors[:, j]
-            x -= np.outer(self._tau[j] * mirror, mirror @ x)
-        return x
+        core = self._core if inverse else self._core.T
+        return x - self._mirrors @ (core @ (self._mirrors.T @ x))
 
     def weights(self, values: np.ndarray) -> np.ndarray:
         """Solve for T splines through values (N, T) at the N runs: returns the weights (N + m, T)

@@ -275,12 +275,7 @@ def test_what_takes_long_is_known_by_what_a_command_runs(command):
 
 
 # A snippet that defines a class or a function of a kernel is a form; `named` is run.
-SNIPPETS = [
-    (page, text)
-    for page in PAGES
-    for text in blocks(page, "python")
-    if "def " not in text
-]
+SNIPPETS = [(page, text) for page in PAGES for text in blocks(page, "python") if "def " not in text]
 
 
 @pytest.mark.parametrize(

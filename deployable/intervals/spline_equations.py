@@ -15,7 +15,7 @@ import scipy
 
 from .errors import IntervalError
 
-_COLUMNS, _BLOCK, _MOST_RESULTS, _FEW = 512, 1 << 14, 32, 64
+_COLUMNS, _BLOCK, _MOST_RESULTS, _SEARCH_POINTS = 512, 1 << 14, 32, 64
 _CONDITION = 1e9  # of the equations of runs left out together: above it others give no spline
 # Runs closer than this, in unit coordinates, count once: the weights of three runs at distances h
 # are of the order 1 / h^3. On a line no weights are needed.
@@ -55,7 +55,7 @@ def remember_latest(method: Callable) -> Callable:
     @wraps(method)
     def call(self: Any, points: np.ndarray) -> Any:
         points, latest = np.asarray(points, dtype=float), self.__dict__.setdefault(name, {})
-        key, is_many = points.tobytes(), len(points) > _FEW
+        key, is_many = points.tobytes(), len(points) > _SEARCH_POINTS
         if is_many not in latest or latest[is_many][0] != key:
             latest[is_many] = key, method(self, points)
         return latest[is_many][1]

@@ -240,10 +240,10 @@ def _animation(
 
 def _quaternions(turn: np.ndarray) -> np.ndarray:
     """Unit quaternions (t, n, 4), x y z w, of rotations (t, n, 3, 3), each near the one before."""
-    trace, other = np.trace(turn, axis1=2, axis2=3)[..., None, None], turn.swapaxes(2, 3)
+    trace, transpose = np.trace(turn, axis1=2, axis2=3)[..., None, None], turn.swapaxes(2, 3)
     products = np.empty((*turn.shape[:2], 4, 4))  # four times those of their numbers
-    products[..., :3, :3] = turn + other + (1.0 - trace) * np.eye(3)
-    products[..., 3, :3] = (turn - other)[..., [2, 0, 1], [1, 2, 0]]
+    products[..., :3, :3] = turn + transpose + (1.0 - trace) * np.eye(3)
+    products[..., 3, :3] = (turn - transpose)[..., [2, 0, 1], [1, 2, 0]]
     products[..., :3, 3], products[..., 3:, 3:] = products[..., 3, :3], 1.0 + trace
     largest = np.einsum("tnii->tni", products).argmax(axis=2)
     quats = np.take_along_axis(products, largest[..., None, None], axis=2)[:, :, 0]

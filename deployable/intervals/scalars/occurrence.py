@@ -37,7 +37,6 @@ the function that separates them is at least in proportion to it."""
 _CONFIDENCE = 1.8
 _FOLDS, _DEVIATIONS = 8, 1.5  # of runs, left out in turn; of what is wrong there, likewise
 _LEVELS = (-0.7, -0.35, 0.0, 0.35, 0.7)  # of the function, at which runs are sought
-_BISECTIONS, _BORDER_BISECTIONS = 12, 30  # towards a level: nearer than runs are; to the border
 
 
 @dataclass(frozen=True)
@@ -181,7 +180,7 @@ class Occurrence:
         lows, border_points = lows[scipy.spatial.cKDTree(lows).query(highs)[1]], []
         for level in levels:
             high, low = highs, lows
-            for _ in range(_BISECTIONS if level else _BORDER_BISECTIONS):
+            for _ in range(30):
                 middle = (high + low) / 2
                 values = self._ratios(middle) if level else self.decision(middle)
                 happens = (values >= level)[:, None]

@@ -225,9 +225,11 @@ class ScalarSurrogate:
         return {}
 
     @cached_property
-    def _trial_points(self) -> np.ndarray:
+    def _trial_points(self) -> np.ndarray | None:
         """Unit points (P, k) at which extremes are sought: runs, and the limit-state surface."""
-        return np.concatenate([self.occurrence.points, self.occurrence.surface_points])
+        if self.fit is None:
+            return None
+        return np.concatenate([self.fit.points, self.occurrence.surface_points])
 
     def _part(
         self, lower: np.ndarray | None = None, upper: np.ndarray | None = None
@@ -246,8 +248,9 @@ class ScalarSurrogate:
         lower, upper = self._part(lower, upper)
         if not self.occurrence.is_mixed:
             return (lower + upper) / 2 if self.occurrence.happens.all() == happens else None
-        decision, sign = self.occurrence.decision, 1.0 if happens else -1.0
-        value, point = self._find_once(decision, sign, lower, upper, self._trial_points, climbs=1)
+        decision, points = self.occurrence.decision, self.occurrence.points
+        sign = 1.0 if happens else -1.0
+        value, point = self._find_once(decision, sign, lower, upper, points, climbs=1)
         return point if (value >= 0) == happens else None
 
 

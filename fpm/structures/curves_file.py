@@ -15,8 +15,8 @@ from typing import Any, NoReturn
 
 import numpy as np
 
-from fpm.arithmetic.units import Unit, UnitError, unit
-from fpm.errors import FOREIGN_UNITS, fold_name
+from fpm.arithmetic.units import Unit, UnitError, translate, unit
+from fpm.errors import fold_name
 from fpm.files.seals import DamagedError, read_bytes
 
 EXAMPLE = "`t [s],angle [rad]`"
@@ -37,8 +37,6 @@ _COMMENT = re.compile(r"[\s;,]*$|\s*([#%!]|//)")  # an empty line, or a comment
 _SHEET_ERROR = re.compile(r"#+|#[^\sa-z]*[!?]|#N/?[A-Z]")  # in any language
 _IN_BRACKETS = re.compile(r"(.*?)\s*(?:\[([^\[\]]*)\]|\(([^()]*)\))")
 _BEHIND_SLASH = re.compile(r"([^/]*[^/\s])\s*/\s*(?:\(([^()]+)\)|([^()]+))")
-_SIGNS = str.maketrans({"°": "deg", "µ": "u", "μ": "u", "²": "2", "³": "3", "^": "", "·": " ",
-                        "*": " ", "−": "-", "⁻": "-", "¹": "1"})  # fmt: skip
 NO_UNIT = f"it has no unit; allowed: such as {EXAMPLE}"
 _TIMES = ("t", "time", "zeit", "temps", "tiempo", "tempo", "timestamp")
 
@@ -311,21 +309,22 @@ def _name_with_unit(cell: str) -> tuple[str, Any]:
 
 def _unit(text: str) -> Unit | str:
     """The unit that a text names, also as other programs write it, or why there is none."""
-    plain = text.translate(_SIGNS).strip()
-    word = plain.lower() if plain.lower() in _WORDS else plain
-    milli = _MILLI.fullmatch(word)
-    factor, name = FOREIGN_UNITS.get(word, (1e-3, milli[1]) if milli else (1, word))
-    if powers := re.search(r"(?<![A-Za-z])ms-(\d)", plain):
-        readings = f"m s-{powers[1]} or 1/ms{powers[1]}".removesuffix("1")
-        return f"{text!r} could be {readings}; allowed: one of these"
-    if word in ("g", "t"):  # grams, or the acceleration of gravity; tonnes, or the time
-        return f"{text!r} is not a unit; allowed: kg, or m/s2 for an acceleration"
+    for form, words in _UNCLEAR.items():
+        if re.search(form, text.strip()):
+            return f"{text!r} could be {words}; allowed: one of these units"
+    factor, name = translate(text)
     try:
         si_unit = unit(name)
     except UnitError as error:
-        return str(error)
+        return str(error).replace(repr(name), repr(text), 1)
     return si_unit._replace(numerator=si_unit.numerator * factor)
 
 
-_MILLI = re.compile(r"m((?:N|J|Pa|deg|Hz)(?![A-Za-z]).*)")
-_WORDS = ("deg", "rad", "rpm", *(word for word in FOREIGN_UNITS if len(word) > 2))
+_UNCLEAR = {
+    r"\bg\b(?!/c?m)": "a mass (kg) or an acceleration (m/s2)",
+    r"\bt\b(?!/m)": "a mass (kg) or a time (s)",
+    r"\blbs?\b": "a mass (kg) or a force (lbf)",
+    r"^1?\s*/\s*min$|^min\^?[-−⁻]": "a speed (rpm) or a frequency (Hz)",
+    r"\bms\^?[-−⁻][1¹]": "m/s or 1/ms",
+    r"\bms\^?[-−⁻]?[2²]": "m/s2 or a square of ms",
+}

@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 
 from fpm.arithmetic.expressions import ExpressionError, parse
-from fpm.arithmetic.units import Unit, UnitError, unit
+from fpm.arithmetic.units import Unit, UnitError, number_hint, unit
 from fpm.declare import NO_VALUE
-from fpm.errors import SceneError, did_you_mean, number_hint
+from fpm.errors import SceneError, did_you_mean
 from fpm.scenes.scene import Scene
 from fpm.scenes.scene_type import Parameter, SceneType
 from fpm.structures.builder import Builder

@@ -30,7 +30,7 @@ from deployable.campaign.pictures.drawing import SUFFIXES, write_structure
 from deployable.campaign.results.templates import doubt_texts, summary_text
 from deployable.campaign.runs.progress import MessagePrinter
 from deployable.campaign.stages.workflow import Workflow, complete
-from fpm.errors import number_hint
+from fpm.arithmetic.units import number_hint
 
 UNMET = 3  # exit status of `run --require` where not all of the box meets all requirements
 

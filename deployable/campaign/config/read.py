@@ -9,8 +9,9 @@ from typing import Any
 
 from deployable.campaign.config.keys import RefusedError, Rule, rule_of
 from deployable.campaign.config.models import Config
+from fpm.arithmetic.units import number_hint
 from fpm.declare import NO_VALUE
-from fpm.errors import did_you_mean, likely, number_hint
+from fpm.errors import did_you_mean, likely
 from fpm.reading import quantities, responses
 from fpm.structures.model import KEYS
 from fpm.structures.reading import commas

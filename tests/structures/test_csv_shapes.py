@@ -246,6 +246,8 @@ def test_names_with_spaces_and_times_before_0(tmp_path):
 @pytest.mark.parametrize(("times", "fitting", "odd"), [
     (range(0, 2000, 100), 50, 1), ((0, 500, 1000), 20, 1), ((-2, -1.5, -1), None, 1),
     ((1700000000, 1700000001), None, 1), ((-1, 0.5), 1, None), ((0, 5), 1, None),
+    ((0, 1000), None, 1), ([k / 1e4 for k in range(20)], 0.1, 1), (range(-1500, 0, 50), None, 10),
+    ([k / 2000 for k in range(21)], 5, 10),  # a pulse, which may be short
 ])  # fmt: skip
 def test_a_record_that_runs_hardly_reach_is_questioned(tmp_path, times, fitting, odd):
     rows = "".join(f"{time},{k % 2}\n" for k, time in enumerate(times))
@@ -264,7 +266,9 @@ def test_a_record_that_runs_hardly_reach_is_questioned(tmp_path, times, fitting,
             "solver": {"duration": duration}, "intervals": {"k": {"relative": 0.1}},
             "responses": {"phi": {"opening": "hinge"}},
         })  # fmt: skip
-        words = f"values lasts from {times[0]} to {times[-1]} s: check the unit of its times"
+        words = (
+            f"values lasts from {times[0]:.12g} to {times[-1]:.12g} s: check the unit of its times"
+        )
         assert [any(words in text for text in campaign.experiment.warnings)] == expected
 
 

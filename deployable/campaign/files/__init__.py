@@ -53,7 +53,7 @@ def report_damage(path: str | os.PathLike) -> Iterator[None]:
 def describe_error(error: Exception) -> str:
     """Say what of the data is wrong, by the error that reading it raised."""
     words = " ".join(str(error).split()) or type(error).__name__
-    return f"{words} is missing" if isinstance(error, LookupError) else words
+    return f"{words} is missing" if isinstance(error, KeyError) else words
 
 
 _FACTS: ContextVar[Mapping[str, str]] = ContextVar("facts of the results", default={})  # noqa: B039

@@ -398,12 +398,17 @@ def errors_of_results(*folders: Folder) -> Iterator[None]:
         file_error = error_of_files(error, folders[0].path)
         is_data = file_error is None or isinstance(error, DamagedError)
         reason = error.reason if isinstance(error, DamagedError) else describe_error(error)
-        for folder in folders if is_data else ():
-            with suppress(OSError):
-                plan = read_json(folder.plan)
-                if plan.get("mechanics") != digest([program_digest(), plan.get("structure")]):
-                    text = f"{folder.path} was made by another version of this program"
-                    raise CampaignError(f"{text} ({reason}): run it again") from error
+        others = [str(x.path) for x in folders if is_data and _is_of_another_program(x)]
+        if others:
+            text = f"made by another version of this program ({reason}): run the campaign again"
+            raise CampaignError(f"{', '.join(others)}: {text}") from error
         if file_error is None:
             raise
         raise file_error from error
+
+
+def _is_of_another_program(folder: Folder) -> bool:
+    with suppress(OSError):
+        plan = read_json(folder.plan)
+        return plan.get("mechanics") != digest([program_digest(), plan.get("structure")])
+    return False

@@ -4,7 +4,6 @@ All is computed in SI units. Angles count as numbers (rad = 1), so that N m/rad 
 
 import math
 import re
-from contextlib import suppress
 from typing import NamedTuple
 
 from fpm.errors import did_you_mean
@@ -224,15 +223,6 @@ def translate(text: str) -> tuple[float, str]:
     return factor, name
 
 
-def _in_own_unit(number: float, symbol: str) -> str:
-    """Write a number with a unit of other programs in one here; "" if it is none of theirs."""
-    factor, name = translate(symbol)
-    with suppress(UnitError):
-        unit(name)
-        return f"{number * factor:.9g} {name}" if name.split() != symbol.split() else ""
-    return ""
-
-
 def number_hint(text: str, with_unit: bool = True) -> str:
     """Return a hint for the message on a text that is no allowed number: " (did you mean x?)" for a
     percentage, a decimal comma, a power with `^` or a unit of other programs; " (a number alone,
@@ -244,7 +234,7 @@ def number_hint(text: str, with_unit: bool = True) -> str:
     comma = re.sub(r"^([-+]?\d+),(\d+)", r"\1.\2", text.strip())
     match = re.fullmatch(rf"({_NUMBER})\s*(\D.*)?", comma)
     number, symbol = (float(match[1]), (match[2] or "").replace("^", "")) if match else (0.0, "")
-    word = ""
+    word, (factor, own) = "", translate(symbol)
     if re.fullmatch(r"[-+]?\d{1,3}(\.\d{3}){2,}", text):  # dots between thousands
         word = f"{float(text.replace('.', '')):.9g}"
     elif symbol == "%":
@@ -255,8 +245,8 @@ def number_hint(text: str, with_unit: bool = True) -> str:
         return " (a number alone, in the unit of what it is for)"
     elif match and not with_unit:
         word = f"{number:.9g}"
-    elif own := symbol and _in_own_unit(number, symbol):
-        word = own
+    elif own.split() != symbol.split() and re.fullmatch(CHAIN, own):
+        word = f"{number * factor:.9g} {own}"
     elif "^" in text:
         word = f"{match[1]} {symbol}" if match else text.replace("^", "**")
     elif match and comma != text.strip():

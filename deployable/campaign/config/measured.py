@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from deployable.campaign.config.models import MeasuredTest
+from deployable.campaign.config.plausible import LARGEST
 from deployable.campaign.config.resolve import allows, parameter_problems, real_names, unknown
 from deployable.campaign.config.sections import Campaign, Experiment, ResolvedTest
 from deployable.intervals.box import MOST_FULL
@@ -18,9 +19,6 @@ MOST_INSTANTS = 150  # measured instants of a test that are compared, evenly cho
 ODD = 30.0
 """Ratio of a test's times or values to those of the run from which on a unit is questioned: more
 than motions differ, and less than degrees from radians, or mm from m."""
-
-LARGEST = 100.0
-"""Ratio of a record's length to that of the run from which on the same holds."""
 
 _BAND = "_band"
 _LEAST_INSTANTS = 51  # recorded ones, between which curves are interpolated

@@ -63,22 +63,22 @@ class CurvesFile:
         """Read the CSV file `path` of curves, into SI units: names with units, or a line of each,
         above rows of numbers. One column is the time, which increases. Raises `CurvesFileError`."""
         table = CsvTable(path, EXAMPLE)
-        time_columns = _time_columns(table)
-        time_unit, times = table.units[time_columns[0]], table.read_column(time_columns[0])
+        time, *copies = _time_columns(table)
+        times = table.numbers(time, may_repeat=True)
         if len(reversals := np.flatnonzero(np.diff(times) <= 0)):
             row = reversals[0] + 1
             text = f"the time {times[row]:.9g} s does not follow {times[row - 1]:.9g} s"
             table.refuse(table.rows[row][0], f"{text}; allowed: increasing times")
         columns, units, faults = {}, {}, {}
         for number, name in enumerate(table.names):
-            if number in time_columns or not name:
+            if number in (time, *copies) or not name:
                 continue
             try:
                 columns[name] = table.numbers(number)
                 units[name] = table.units[number]
             except CurvesFileError as error:
                 faults[name] = str(error)
-        return cls(times, columns, units, table.digest, time_unit.si(1.0), faults)
+        return cls(times, columns, units, table.digest, table.units[time].si(1.0), faults)
 
 
 def _time_columns(table: CsvTable) -> list[int]:
@@ -102,7 +102,7 @@ def _time_columns(table: CsvTable) -> list[int]:
         for k in columns:
             readings.append(f"{table.names[k]} (column {k + 1})")
             with suppress(CurvesFileError):
-                series.append(table.read_column(k))
+                series.append(table.numbers(k, may_repeat=True))
                 ends = "{:.6g} to {:.6g} s".format(*series[-1][[0, -1]])
                 readings[-1] = f"{table.names[k]} (column {k + 1}, {ends})"
         if len(series) == len(columns) and np.ptp(series, axis=0).max() < 1e-6 * np.ptp(series[0]):
@@ -257,17 +257,14 @@ class CsvTable:
             self.refuse(line, f"{text}; allowed: {remedy}, and no sign between thousands")
         return (kinds[0], *first[kinds[0]]) if kinds else ("", 0, "")
 
-    def numbers(self, column: int, default: Unit | None = None) -> np.ndarray:
+    def numbers(
+        self, column: int, default: Unit | None = None, may_repeat: bool = False
+    ) -> np.ndarray:
         """Return the numbers (r,) of a column in SI units; raises `CurvesFileError` if it has none.
-        default: unit of a column without one."""
-        name = self.names[column]
-        if self.names.count(name) > 1:
-            self.refuse(self.head, f"the column {name} stands twice; allowed: each name once")
-        return self.read_column(column, default)
-
-    def read_column(self, column: int, default: Unit | None = None) -> np.ndarray:
-        """Return `numbers` of a column whose name may stand twice."""
+        default: unit of a column without one; may_repeat: whether its name may stand twice."""
         name, column_unit = self.names[column], self.units[column]
+        if self.names.count(name) > 1 and not may_repeat:
+            self.refuse(self.head, f"the column {name} stands twice; allowed: each name once")
         if column_unit == NO_UNIT and default:
             column_unit = default
         if isinstance(column_unit, str):

@@ -193,7 +193,7 @@ _FOREIGN = {
 
 _CASELESS = ("deg", "rad", "rpm", *(word for word in _FOREIGN if len(word) > 2))
 _PREFIXES = {"u": 1e-6, "m": 1e-3, "c": 0.01, "da": 10.0, "k": 1e3}
-_PREFIXED = re.compile("([umck]|da)(N|J|Pa|Hz|deg|rad)")
+_PREFIX_FORM = re.compile("([umck]|da)(N|J|Pa|Hz|deg|rad)")
 _PRODUCT = re.compile("(kg(?!s)|[mckM]?N|daN)(mm|cm|m|s)")
 _WORD = re.compile(r'(/?\s*)([A-Za-z]+|")(-?[1-4])?')
 _SIGNS = _PLAIN | str.maketrans("µμ−⁻¹*×⋅∙", "uu--1    ") | {ord("°"): "deg"}
@@ -204,22 +204,22 @@ def translate(text: str) -> tuple[float, str]:
     `mm/min` or `in`; (1, text) for a text that has none of these."""
     factor = 1.0
 
-    def own(match: re.Match) -> str:
+    def translate_word(match: re.Match) -> str:
         nonlocal factor
         slash, word, digits = match.groups("")
         word = word.lower() if word.lower() in _CASELESS else word
         if (product := _PRODUCT.fullmatch(word)) and "-" not in digits:  # N m-1 or 1/(N m)?
             first, word = product.groups()
-            slash = _WORD.sub(own, slash + first) + (slash.strip() or " ")
+            slash = _WORD.sub(translate_word, slash + first) + (slash.strip() or " ")
         elif word not in _UNITS:
             size, word = _FOREIGN.get(word, (1.0, word))
-            if prefixed := _PREFIXED.fullmatch(word):
-                size, word = _PREFIXES[prefixed[1]], prefixed[2]
+            if prefix_match := _PREFIX_FORM.fullmatch(word):
+                size, word = _PREFIXES[prefix_match[1]], prefix_match[2]
             factor *= size ** ((-1 if slash.strip() else 1) * int(digits or 1))
         return f"{slash}{word}{digits}"
 
     plain = text.translate(_SIGNS).strip().rstrip(".").replace("U/min", "rpm")
-    name = _WORD.sub(own, re.sub(r"(?<=[A-Za-z\d])[.-](?=[A-Za-z])", " ", plain))
+    name = _WORD.sub(translate_word, re.sub(r"(?<=[A-Za-z\d])[.-](?=[A-Za-z])", " ", plain))
     return factor, name
 
 
@@ -234,7 +234,7 @@ def number_hint(text: str, with_unit: bool = True) -> str:
     comma = re.sub(r"^([-+]?\d+),(\d+)", r"\1.\2", text.strip())
     match = re.fullmatch(rf"({_NUMBER})\s*(\D.*)?", comma)
     number, symbol = (float(match[1]), (match[2] or "").replace("^", "")) if match else (0.0, "")
-    word, (factor, own) = "", translate(symbol)
+    word, (factor, own_unit) = "", translate(symbol)
     if re.fullmatch(r"[-+]?\d{1,3}(\.\d{3}){2,}", text):  # dots between thousands
         word = f"{float(text.replace('.', '')):.9g}"
     elif symbol == "%":
@@ -245,8 +245,8 @@ def number_hint(text: str, with_unit: bool = True) -> str:
         return " (a number alone, in the unit of what it is for)"
     elif match and not with_unit:
         word = f"{number:.9g}"
-    elif own.split() != symbol.split() and re.fullmatch(CHAIN, own):
-        word = f"{number * factor:.9g} {own}"
+    elif own_unit.split() != symbol.split() and re.fullmatch(CHAIN, own_unit):
+        word = f"{number * factor:.9g} {own_unit}"
     elif "^" in text:
         word = f"{match[1]} {symbol}" if match else text.replace("^", "**")
     elif match and comma != text.strip():

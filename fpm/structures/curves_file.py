@@ -158,11 +158,11 @@ class CsvTable:
         number, head = rows[0]
         cells = _cells(head, separator or _separator(head))
         if all(map(_DIGITS.fullmatch, cells)):  # names may stand in a comment
-            above = [line for line in lines[: number - 1] if line[1].strip(" \t;,")]
-            if not above:
+            lines_above = [line for line in lines[: number - 1] if line[1].strip(" \t;,")]
+            if not lines_above:
                 text = "no line of names with units stands above the numbers; allowed: such as "
                 self.refuse(number, text + example)
-            number, head = above[-1][0], above[-1][1].strip().lstrip("#%!/ ")
+            number, head = lines_above[-1][0], lines_above[-1][1].strip().lstrip("#%!/ ")
         return number, head, separator or _separator(head)
 
     @cached_property

@@ -415,7 +415,7 @@ OF_CAMPAIGNS = {"campaign", "scene", "solver", "intervals", "design", "responses
 """Keys by which a campaign's file is known, with which people come here."""
 
 
-IGNORED = ("x-", ".")
+PREFIXES = ("x-", ".")
 """Beginnings of keys at the top of a file that are ignored: they hold what anchors mark."""
 
 OTHER_KEYS = {"patternProperties": {r"^(x-|\.)": {}}, "additionalProperties": False}
@@ -435,7 +435,7 @@ def correct_keys(node: Node, keys: tuple[str, ...], problems: Problems) -> Node:
     """Return the file's top table `node` without keys that are ignored, and with misspelt ones
     renamed to those of `keys`, the allowed ones, that are likely meant; each misspelling is noted
     in `problems`."""
-    tables = {name: entry for name, entry in node.entries.items() if not name.startswith(IGNORED)}
+    tables = {name: entry for name, entry in node.entries.items() if not name.startswith(PREFIXES)}
     node = Node(tables, node.line, node.lines)
     check_keys(node, "", keys, problems)
     fixes = {name: likely(name, keys) for name in node.entries.keys() - set(keys)}

@@ -14,7 +14,7 @@ from fpm.declare import NO_VALUE
 from fpm.errors import did_you_mean, likely
 from fpm.reading import quantities, responses
 from fpm.structures.model import KEYS
-from fpm.structures.reading import IGNORED, OTHER_KEYS, commas
+from fpm.structures.reading import OTHER_KEYS, PREFIXES, commas
 
 
 def read(raw: Any) -> tuple[Config | None, dict, list[str]]:
@@ -161,7 +161,7 @@ def correct_sections(raw: Any) -> tuple[Any, list[str]]:
     renamed, in which nothing else is then wrong for its name. Those ignored are left out."""
     names: Any = Config.__dataclass_fields__
     fixes: dict[str, str] = {}
-    raw = {name: section for name, section in raw.items() if not str(name).startswith(IGNORED)}
+    raw = {name: section for name, section in raw.items() if not str(name).startswith(PREFIXES)}
     for name in [name for name in raw if isinstance(name, str) and name not in names]:
         likely_name = likely(name, names)
         if likely_name not in ("", *raw, *fixes.values()):

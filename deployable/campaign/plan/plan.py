@@ -398,10 +398,10 @@ def errors_of_results(*folders: Folder) -> Iterator[None]:
         file_error = error_of_files(error, folders[0].path)
         is_data = file_error is None or isinstance(error, DamagedError)
         reason = error.reason if isinstance(error, DamagedError) else describe_error(error)
-        others = [str(x.path) for x in folders if is_data and _is_of_another_program(x)]
-        if others:
+        paths = [str(x.path) for x in folders if is_data and _is_of_another_program(x)]
+        if paths:
             text = f"made by another version of this program ({reason}): run the campaign again"
-            raise CampaignError(f"{', '.join(others)}: {text}") from error
+            raise CampaignError(f"{', '.join(paths)}: {text}") from error
         if file_error is None:
             raise
         raise file_error from error

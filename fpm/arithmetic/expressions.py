@@ -25,11 +25,11 @@ from fpm.arithmetic.units import (
     Dimension,
     Unit,
     UnitError,
+    number_hint,
     power,
     product,
     unit,
 )
-from fpm.errors import number_hint
 
 LONGEST = 500
 """Number of characters that an expression may have."""

@@ -115,6 +115,7 @@ _NAME = "|".join(sorted(_UNITS, key=len, reverse=True))
 _TERM = rf"(?:{_NAME})(?:\^?[234]|[²³⁴])?(?![\w.(])"
 CHAIN = rf"/?\s*{_TERM}(?:(?:\s*[/·]\s*|\s+){_TERM})*"
 """Regular expression of a unit behind a number: `mm`, `N m/rad`, `m/s2`, `m/s²`, `m/s^2`, `/s`."""
+_NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 _PLAIN = str.maketrans("²³⁴·", "234 ", "^")
 
 _FACTOR = re.compile(rf"\s*(/?)\s*({_NAME})(-?[1-4])?(?![A-Za-z])")
@@ -139,15 +140,19 @@ def unit(text: str) -> Unit:
         match = _FACTOR.match(rest)
         if not match:
             word = re.sub(r"^\s*/?\s*([A-Za-z]*).*", r"\1", rest, flags=re.S) or rest.strip()
-            parts = re.findall(_NAME, word) if re.fullmatch(f"(?:{_NAME})+", word) else []
+            plural = [word[:-1]] * (word.endswith("s") and word[:-1] in _UNITS)
+            readings = plural + _readings(word)
             # degF, mV and mi are units of other things, which no unit here replaces
             is_other = re.fullmatch(rf"(?:{_NAME})[A-Z]\w*", word) or len(word) < 3
             is_foreign = is_other and word.lower() not in map(str.lower, NAMES)
-            guess = "" if is_foreign else did_you_mean(word, NAMES)
-            whole = text.strip().replace(word, " ".join(parts))
-            hint = f" (did you mean {whole}?)" if parts else guess
-            if parts[1:] and parts[0] == "m":  # `m J` would be metres times joules
-                hint = f" (m is the metre: write milli as 1e-3 {' '.join(parts[1:])})"
+            sign = "/" if rest.lstrip().startswith("/") else " "
+            wholes = [text.strip().replace(word, x.replace(" ", sign)) for x in readings]
+            hint = f" (did you mean {' or '.join(wholes)}?)"
+            # `m J` would be metres times joules
+            if readings and all(reading.startswith("m ") for reading in readings):
+                hint = f" (m is the metre: write milli as 1e-3 {readings[0][2:]})"
+            elif not readings:
+                hint = "" if is_foreign else did_you_mean(word, NAMES)
             raise UnitError(
                 f"{text!r} is not a unit{hint}; allowed: products and "
                 f"quotients such as N m/rad of {', '.join(NAMES)}"
@@ -163,3 +168,87 @@ def unit(text: str) -> Unit:
         factors.append(name if exponent == 1 else f"{name}{exponent}")
         rest = rest[match.end() :]
     return Unit(top, bottom, dimension, " ".join(factors) or "1")
+
+
+def _readings(word: str) -> list[str]:
+    """Return the products of units that a word without spaces could stand for."""
+    if len(word) > 8:  # of which there are too many
+        return []
+    pairs = ((name, word[len(name) :]) for name in _UNITS if word.startswith(name))
+    products = ((name, reading) for name, rest in pairs for reading in _readings(rest))
+    products = ((name, reading) for name, reading in products if reading.split()[0] != name)
+    return [word] * (word in _UNITS) + [f"{name} {reading}" for name, reading in products]
+
+
+_FOREIGN = {
+    "in": (25.4, "mm"), "inch": (25.4, "mm"), '"': (25.4, "mm"), "ft": (0.3048, "m"),
+    "lb": (0.45359237, "kg"), "lbf": (4.4482216152605, "N"), "psi": (6894.757293168, "Pa"),
+    "kgf": (9.80665, "N"), "kp": (9.80665, "N"), "t": (1e3, "kg"), "g": (1e-3, "kg"),
+    "bar": (1e5, "Pa"), "degree": (1, "deg"), "degrees": (1, "deg"), "radians": (1, "rad"),
+    "rev": (2 * math.pi, "rad"), "min": (60, "s"), "minutes": (60, "s"), "h": (3600, "s"),
+    "hr": (3600, "s"), "sec": (1, "s"), "seconds": (1, "s"), "msec": (1e-3, "s"),
+    "usec": (1e-6, "s"), "nsec": (1e-9, "s"), "ns": (1e-9, "s"), "dm": (0.1, "m"),
+}  # fmt: skip
+"""Units of other programs, as so many of these."""
+
+_CASELESS = ("deg", "rad", "rpm", *(word for word in _FOREIGN if len(word) > 2))
+_PREFIXES = {"u": 1e-6, "m": 1e-3, "c": 0.01, "da": 10.0, "k": 1e3}
+_PREFIX_FORM = re.compile("([umck]|da)(N|J|Pa|Hz|deg|rad)")
+_PRODUCT = re.compile("(kg(?!s)|[mckM]?N|daN)(mm|cm|m|s)")
+_WORD = re.compile(r'(/?\s*)([A-Za-z]+|")(-?[1-4])?')
+_SIGNS = _PLAIN | str.maketrans("µμ−⁻¹*×⋅∙", "uu--1    ") | {ord("°"): "deg"}
+
+
+def translate(text: str) -> tuple[float, str]:
+    """Return a factor and a unit here for one as other programs write it, such as `kNm`, `N-m`,
+    `mm/min` or `in`; (1, text) for a text that has none of these."""
+    factor = 1.0
+
+    def translate_word(match: re.Match) -> str:
+        nonlocal factor
+        slash, word, digits = match.groups("")
+        word = word.lower() if word.lower() in _CASELESS else word
+        if (product := _PRODUCT.fullmatch(word)) and "-" not in digits:  # N m-1 or 1/(N m)?
+            first, word = product.groups()
+            slash = _WORD.sub(translate_word, slash + first) + (slash.strip() or " ")
+        elif word not in _UNITS:
+            size, word = _FOREIGN.get(word, (1.0, word))
+            if prefix_match := _PREFIX_FORM.fullmatch(word):
+                size, word = _PREFIXES[prefix_match[1]], prefix_match[2]
+            factor *= size ** ((-1 if slash.strip() else 1) * int(digits or 1))
+        return f"{slash}{word}{digits}"
+
+    plain = text.translate(_SIGNS).strip().rstrip(".").replace("U/min", "rpm")
+    name = _WORD.sub(translate_word, re.sub(r"(?<=[A-Za-z\d])[.-](?=[A-Za-z])", " ", plain))
+    return factor, name
+
+
+def number_hint(text: str, with_unit: bool = True) -> str:
+    """Return a hint for the message on a text that is no allowed number: " (did you mean x?)" for a
+    percentage, a decimal comma, a power with `^` or a unit of other programs; " (a number alone,
+    ...)" for a unit where none may be; else "". with_unit: whether it may have a unit."""
+    if any(sign in text for sign in "\u2212\u2013\u2014"):  # as copied from a page
+        plain = re.sub("[\u2212\u2013\u2014]", "-", text)
+        sign = re.findall("[\u2212\u2013\u2014]", text)[0]
+        return f" (“{sign}” is not a minus sign: write {plain})"
+    comma = re.sub(r"^([-+]?\d+),(\d+)", r"\1.\2", text.strip())
+    match = re.fullmatch(rf"({_NUMBER})\s*(\D.*)?", comma)
+    number, symbol = (float(match[1]), (match[2] or "").replace("^", "")) if match else (0.0, "")
+    word, (factor, own_unit) = "", translate(symbol)
+    if re.fullmatch(r"[-+]?\d{1,3}(\.\d{3}){2,}", text):  # dots between thousands
+        word = f"{float(text.replace('.', '')):.9g}"
+    elif symbol == "%":
+        word = f"{number / 100:.9g}"
+        if with_unit:
+            return f" (did you mean {word}? A share of another value is a product: {word}*k)"
+    elif symbol not in ("", "s") and match and not with_unit:
+        return " (a number alone, in the unit of what it is for)"
+    elif match and not with_unit:
+        word = f"{number:.9g}"
+    elif own_unit.split() != symbol.split() and re.fullmatch(CHAIN, own_unit):
+        word = f"{number * factor:.9g} {own_unit}"
+    elif "^" in text:
+        word = f"{match[1]} {symbol}" if match else text.replace("^", "**")
+    elif match and comma != text.strip():
+        word = comma
+    return f" (did you mean {word}?)" if word else ""

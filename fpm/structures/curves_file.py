@@ -5,18 +5,18 @@ from __future__ import annotations
 import codecs
 import csv
 import hashlib
-import io
 import re
-from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import dropwhile
 from pathlib import Path
 from typing import Any, NoReturn
 
 import numpy as np
 
-from fpm.arithmetic.units import Unit, UnitError, unit
-from fpm.errors import FOREIGN_UNITS, fold_name
+from fpm.arithmetic.units import Unit, UnitError, translate, unit
+from fpm.errors import fold_name
 from fpm.files.seals import DamagedError, read_bytes
 
 EXAMPLE = "`t [s],angle [rad]`"
@@ -37,8 +37,6 @@ _COMMENT = re.compile(r"[\s;,]*$|\s*([#%!]|//)")  # an empty line, or a comment
 _SHEET_ERROR = re.compile(r"#+|#[^\sa-z]*[!?]|#N/?[A-Z]")  # in any language
 _IN_BRACKETS = re.compile(r"(.*?)\s*(?:\[([^\[\]]*)\]|\(([^()]*)\))")
 _BEHIND_SLASH = re.compile(r"([^/]*[^/\s])\s*/\s*(?:\(([^()]+)\)|([^()]+))")
-_SIGNS = str.maketrans({"°": "deg", "µ": "u", "μ": "u", "²": "2", "³": "3", "^": "", "·": " ",
-                        "*": " ", "−": "-", "⁻": "-", "¹": "1"})  # fmt: skip
 NO_UNIT = f"it has no unit; allowed: such as {EXAMPLE}"
 _TIMES = ("t", "time", "zeit", "temps", "tiempo", "tempo", "timestamp")
 
@@ -64,22 +62,54 @@ class CurvesFile:
     def read(cls, path: str | Path) -> CurvesFile:
         """Read the CSV file `path` of curves, into SI units: names with units, or a line of each,
         above rows of numbers. One column is the time, which increases. Raises `CurvesFileError`."""
-        table = CsvTable(path, has_time=True)
-        times = table.numbers(table.time)
+        table = CsvTable(path, EXAMPLE)
+        time, *copies = _time_columns(table)
+        times = table.numbers(time, may_repeat=True)
         if len(reversals := np.flatnonzero(np.diff(times) <= 0)):
             row = reversals[0] + 1
             text = f"the time {times[row]:.9g} s does not follow {times[row - 1]:.9g} s"
-            table.refuse(table.lines[row], f"{text}; allowed: increasing times")
+            table.refuse(table.rows[row][0], f"{text}; allowed: increasing times")
         columns, units, faults = {}, {}, {}
         for number, name in enumerate(table.names):
-            if number == table.time or not name:
+            if number in (time, *copies) or not name:
                 continue
             try:
                 columns[name] = table.numbers(number)
                 units[name] = table.units[number]
             except CurvesFileError as error:
                 faults[name] = str(error)
-        return cls(times, columns, units, table.digest, table.units[table.time].si(1.0), faults)
+        return cls(times, columns, units, table.digest, table.units[time].si(1.0), faults)
+
+
+def _time_columns(table: CsvTable) -> list[int]:
+    """Numbers of the columns that are the time: one, or several with the same times."""
+    second = unit("s").dimension
+    columns = [k for k, u in enumerate(table.units) if getattr(u, "dimension", None) == second]
+    times = [k for k, name in enumerate(table.names) if name.lower() in _TIMES]
+    matches = [k for k in columns if k in times]
+    if columns and not matches:  # `time` without a unit beside `delay [s]`
+        columns += [k for k in times if table.units[k] == NO_UNIT]
+    columns = matches or columns
+    if not columns:
+        text = f"{table.head_line.strip()!r} has no column with a unit of time"
+        remedy = f"a line such as {EXAMPLE} above the rows, and # before other lines above it"
+    elif len(table.names) < 2:
+        text, remedy = "there is no column beside the time", f"such as {EXAMPLE}"
+    elif len(columns) == 1:
+        return columns
+    else:
+        readings, series = [], []
+        for k in columns:
+            readings.append(f"{table.names[k]} (column {k + 1})")
+            with suppress(CurvesFileError):
+                series.append(table.numbers(k, may_repeat=True))
+                ends = "{:.6g} to {:.6g} s".format(*series[-1][[0, -1]])
+                readings[-1] = f"{table.names[k]} (column {k + 1}, {ends})"
+        if len(series) == len(columns) and np.ptp(series, axis=0).max() < 1e-6 * np.ptp(series[0]):
+            return columns
+        text = f"the time could be {' or '.join(readings)}"
+        remedy = "one column with a unit of time, one of them called t, or the same times in all"
+    return table.refuse(table.head, f"{text}; allowed: {remedy}")
 
 
 def _decode(content: bytes) -> str:
@@ -96,12 +126,10 @@ def _decode(content: bytes) -> str:
 
 class CsvTable:
     """Content of the CSV file at `path`; raises `CurvesFileError`. names, units: of its columns (a
-    text: why there is no unit); lines: number of the line of each row; digest: of the file; time:
-    number of the column that is the time, if one must be (`has_time`)."""
+    text: why there is no unit); head, head_line: where the names stand; rows: number and text of
+    the lines below them; digest: of the file; example: names with units, for messages."""
 
-    def __init__(self, path: str | Path, has_time: bool = False):
-        import pandas  # 0.3 s, which only CSV files need
-
+    def __init__(self, path: str | Path, example: str = "`k [N m/rad],m [kg]`"):
         self.path = str(path)
         try:
             content = read_bytes(path)
@@ -112,79 +140,73 @@ class CsvTable:
             raise CurvesFileError(f"{path}: {reason}; allowed: a CSV file") from None
         self.digest = hashlib.sha256(content).hexdigest()[:16]
         text = re.sub(r"[\r\n][\s;,]*\Z", "", text)  # rows of separators end a sheet
-        all_lines = list(enumerate(re.split(r"\r\n|\r|\n", text), 1))
-        rows = [(number, line) for number, line in all_lines if not _COMMENT.match(line)]
-        separator = rows.pop(0)[1][4:5] if rows and re.fullmatch("sep=.", rows[0][1]) else ""
-        if not rows:
-            self.refuse(1, f"'' is no line of names with units; allowed: such as {EXAMPLE}")
-        self.separator = separator or self._separator(rows[0][1])
-        if all(map(_DIGITS.fullmatch, self._cells(rows[0][1]))):  # names may stand in a comment
-            lines_above = [line for line in all_lines[: rows[0][0] - 1] if line[1].strip(" \t;,")]
-            if not lines_above:
-                text = "no line of names with units stands above the numbers; allowed: such as "
-                self.refuse(rows[0][0], text + (EXAMPLE if has_time else "`k [N m/rad],m [kg]`"))
-            rows.insert(0, (lines_above[-1][0], lines_above[-1][1].strip().lstrip("#%!/ ")))
-        self.head, self.head_line = rows.pop(0)
-        self.separator = separator or self._separator(self.head_line)
-        rows = [row for row in all_lines[self.head :] if self._is_row(*row)]
-        rows = list(dropwhile(lambda row: not row[1].strip("; ,\t"), rows))
-        for number, line in [(self.head, self.head_line), *rows]:
+        lines = list(enumerate(re.split(r"\r\n|\r|\n", text), 1))
+        self.head, self.head_line, self.separator = self._find_names(lines, example)
+        rows = [row for row in lines[self.head :] if self._is_row(*row)]
+        self.rows = list(dropwhile(lambda row: not row[1].strip("; ,\t"), rows))
+        for number, line in [(self.head, self.head_line), *self.rows]:
             if line.count('"') % 2:
                 self.refuse(number, "quotes do not close where they open; allowed: both in a line")
-        self.names, self.units = self._header(self.head_line, rows)
-        self.lines = [number for number, _ in rows]
-        self.time = self._time() if has_time else -1
+        self.names, self.units = self._header()
+
+    def _find_names(self, lines: list[tuple[int, str]], example: str) -> tuple[int, str, str]:
+        """Number and text of the line of names, and what separates columns."""
+        rows = [(number, line) for number, line in lines if not _COMMENT.match(line)]
+        separator = rows.pop(0)[1][4:5] if rows and re.fullmatch("sep=.", rows[0][1]) else ""
         if not rows:
-            raise CurvesFileError(f"{path}: no rows; allowed: rows of numbers")
-        is_spaced = self.separator == " "
-        most = max(len(x.split()) if is_spaced else x.count(self.separator) + 1 for _, x in rows)
-        frame = pandas.read_csv(
-            io.StringIO("\n".join(line for _, line in rows)), names=range(most), dtype=str,
-            sep=r"\s+" if is_spaced else self.separator,
-            na_filter=False, skip_blank_lines=False, skipinitialspace=True,
-        ).fillna("")  # fmt: skip
-        self.cells = [[str(cell).strip() for cell in frame[k]] for k in frame.columns]
-        counts = [k for k, cells in enumerate(self.cells, 1) if any(cells)]
-        counts += [k for k, name in enumerate(self.names, 1) if name]
-        least = min(most, len(self.names))
-        if max(counts) > least or (is_spaced and "" in self.cells[least - 1]):
-            self._refuse_count(rows)
-        self.cells += [[""] * len(rows)] * (len(self.names) - most)  # lines may end in separators
-        self.comma, *self._proof = self._signs()
+            self.refuse(1, f"'' is no line of names with units; allowed: such as {example}")
+        number, head = rows[0]
+        cells = _cells(head, separator or _separator(head))
+        if all(map(_DIGITS.fullmatch, cells)):  # names may stand in a comment
+            lines_above = [line for line in lines[: number - 1] if line[1].strip(" \t;,")]
+            if not lines_above:
+                text = "no line of names with units stands above the numbers; allowed: such as "
+                self.refuse(number, text + example)
+            number, head = lines_above[-1][0], lines_above[-1][1].strip().lstrip("#%!/ ")
+        return number, head, separator or _separator(head)
+
+    @cached_property
+    def cells(self) -> list[tuple[str, ...]]:
+        """Cells (r) of each column; refuses rows with another number of them than names."""
+        if not self.rows:
+            raise CurvesFileError(f"{self.path}: no rows; allowed: rows of numbers")
+        table = [_cells(line, self.separator) for _, line in self.rows]
+        count = least = len(self.names)
+        last = max((k for k, name in enumerate(self.names, 1) if name), default=0)
+        if self.separator != " " and max(map(len, table)) >= last:  # some rows are long enough
+            least = 0
+        for (number, _), row in zip(self.rows, table, strict=True):
+            while row and not row[-1]:  # lines may end in separators
+                row.pop()
+            if not least <= (size := len(row)) <= count:
+                is_comma = self.separator == "," and size == 2 * count
+                hint = " (decimal commas need semicolons between columns)" if is_comma else ""
+                text = f"{size} values{hint}; allowed: {count}, as in line {self.head}"
+                self.refuse(number, text)
+            row += [""] * (count - size)
+        return [*zip(*table, strict=True)]
 
     def refuse(self, line: int, text: str) -> NoReturn:
         """Raise the error that something is wrong in a line (from 1)."""
         raise CurvesFileError(f"{self.path}, line {line}: {text}")
 
-    def _separator(self, line: str) -> str:
-        bare = re.sub(r'"[^"]*"', "", line)
-        return next((sign for sign in "\t;," if sign in bare), " ")
-
-    def _cells(self, line: str) -> list[str]:
-        """The cells of one line; a unit in brackets belongs to the word before it."""
-        if self.separator == " ":
-            cells = re.findall(r'"[^"]*"|[^\s\[(]+(?:\s*[\[(][^\])]*[\])])?|\S+', line)
-            return [cell.strip('"') for cell in cells]
-        reader = csv.reader([line], delimiter=self.separator, skipinitialspace=True)
-        return [cell.strip() for cell in next(reader)]
-
     def _is_row(self, number: int, line: str) -> bool:
         """Whether a line below the names is a row; refuses what could be one or a comment."""
         if not (match := _COMMENT.match(line)) or not match[1]:
             return bool(line.strip(" " if self.separator == "\t" else None))
-        first, *cells = self._cells(line)
+        first, *cells = _cells(line, self.separator)
         is_error = bool(_SHEET_ERROR.fullmatch(first))
         if not is_error and any(map(_DIGITS.fullmatch, (first.lstrip("#%!/ "), *cells))):
             text = f"{first!r} could begin a comment or a row of numbers"
             self.refuse(number, f"{text}; allowed: that cell in quotes, or no such line")
         return is_error
 
-    def _header(self, head: str, rows: list[tuple[int, str]]) -> tuple[list[str], list[Any]]:
-        """Names and units of the columns, from one line or, with the first of `rows`, from two."""
-        cells = self._cells(head)
+    def _header(self) -> tuple[list[str], list[Any]]:
+        """Names and units of the columns, from one line or, with the first row, from two."""
+        cells, rows = _cells(self.head_line, self.separator), self.rows
         names, units = map(list, zip(*map(_name_with_unit, cells), strict=True))
         if rows and not any(isinstance(u, Unit) for u in units):
-            words = [cell.strip("[]() ") for cell in self._cells(rows[0][1])]
+            words = [cell.strip("[]() ") for cell in _cells(rows[0][1], self.separator)]
             row = [_unit(w) if re.search(r"[^\d.,eE+-]", w) else NO_UNIT for w in words]
             # Units of columns that are not used may be any words.
             is_units = any(isinstance(u, Unit) for u in row) and not any(map(_DIGITS.match, words))
@@ -202,36 +224,7 @@ class CsvTable:
                 names[number] = fold_name(cell)
         return names, units
 
-    def _time(self) -> int:
-        """Number of the column that is the time."""
-        second = unit("s").dimension
-        columns = [k for k, u in enumerate(self.units) if getattr(u, "dimension", None) == second]
-        times = [k for k, name in enumerate(self.names) if name.lower() in _TIMES]
-        matches = [k for k in columns if k in times]
-        if columns and not matches:  # `time` without a unit beside `delay [s]`
-            columns += [k for k in times if self.units[k] == NO_UNIT]
-        columns = matches if len(matches) == 1 else columns
-        if len(columns) > 1:
-            text = f"the time could be {' or '.join(self.names[k] for k in columns)}"
-            remedy = "one column with a unit of time, or one of them called t"
-        elif not columns:
-            text = f"{self.head_line.strip()!r} has no column with a unit of time"
-            remedy = f"a line such as {EXAMPLE} above the rows, and # before other lines above it"
-        elif len(self.names) < 2:
-            text, remedy = "there is no column beside the time", f"such as {EXAMPLE}"
-        else:
-            return columns[0]
-        return self.refuse(self.head, f"{text}; allowed: {remedy}")
-
-    def _refuse_count(self, rows: Sequence[tuple[int, str]]) -> NoReturn:
-        """Refuse the first row that has another number of cells than the names."""
-        count = len(self.names)
-        sizes = [(number, len(self._cells(line.rstrip(" \t;,")))) for number, line in rows]
-        line, size = next((row for row in sizes if row[1] != count), (self.head, 0))
-        is_comma = self.separator == "," and size == 2 * count
-        hint = " (decimal commas need semicolons between columns)" if is_comma else ""
-        self.refuse(line, f"{size} values{hint}; allowed: {count}, as in line {self.head}")
-
+    @cached_property
     def _signs(self) -> tuple[str, int, str]:
         """What commas in numbers are: "decimal" (so that points stand between thousands),
         "thousands", or "" where none has one; line and cell that show it."""
@@ -242,7 +235,7 @@ class CsvTable:
             "date": re.compile("[^,]*"),
         }  # fmt: skip
         for cells in self.cells:
-            for line, cell in zip(self.lines, cells, strict=True):
+            for (line, _), cell in zip(self.rows, cells, strict=True):
                 is_new = "," in cell or ("." in cell and "decimal point" not in first)
                 if is_new and _DIGITS.fullmatch(cell):
                     kind = next((kind for kind, form in forms.items() if form.fullmatch(cell)), "")
@@ -264,23 +257,26 @@ class CsvTable:
             self.refuse(line, f"{text}; allowed: {remedy}, and no sign between thousands")
         return (kinds[0], *first[kinds[0]]) if kinds else ("", 0, "")
 
-    def numbers(self, column: int, default: Unit | None = None) -> np.ndarray:
+    def numbers(
+        self, column: int, default: Unit | None = None, may_repeat: bool = False
+    ) -> np.ndarray:
         """Return the numbers (r,) of a column in SI units; raises `CurvesFileError` if it has none.
-        default: unit of a column without one."""
+        default: unit of a column without one; may_repeat: whether its name may stand twice."""
         name, column_unit = self.names[column], self.units[column]
+        if self.names.count(name) > 1 and not may_repeat:
+            self.refuse(self.head, f"the column {name} stands twice; allowed: each name once")
         if column_unit == NO_UNIT and default:
             column_unit = default
-        if self.names.count(name) > 1:
-            self.refuse(self.head, f"the column {name} stands twice; allowed: each name once")
         if isinstance(column_unit, str):
             self.refuse(self.head, f"{name}: {column_unit}")
-        form = {"decimal": _WITH_DECIMAL_COMMA, "thousands": _WITH_THOUSANDS}.get(self.comma)
-        decimal, mark = (",", ".") if self.comma == "decimal" else (".", ",")
+        cells, (comma, *proof) = self.cells[column], self._signs
+        form = {"decimal": _WITH_DECIMAL_COMMA, "thousands": _WITH_THOUSANDS}.get(comma)
+        decimal, mark = (",", ".") if comma == "decimal" else (".", ",")
         texts = []
-        for line, cell in zip(self.lines, self.cells[column], strict=True):
+        for (line, _), cell in zip(self.rows, cells, strict=True):
             if form and _DIGITS.fullmatch(cell) and not form.fullmatch(cell):
                 text = f"{cell!r} could be {cell.replace(',', '.')} or {re.sub('[.,]', '', cell)}"
-                text = "{0} beside {2!r} in line {1}".format(text, *self._proof)
+                text = "{0} beside {2!r} in line {1}".format(text, *proof)
                 self.refuse(line, f"{text}; allowed: one sign for decimals")
             text = cell.replace(mark, "") if form else cell
             text = text.replace(decimal, ".").replace("−", "-")
@@ -290,6 +286,20 @@ class CsvTable:
                 text = f"{cell!r} is not allowed" if cell else f"the cell of {name} is empty"
                 self.refuse(line, f"{text}; allowed: {allowed}, or no such row")
         return column_unit.si(np.array(texts, dtype=object).astype(float))
+
+
+def _separator(line: str) -> str:
+    bare = re.sub(r'"[^"]*"', "", line)
+    return next((sign for sign in "\t;," if sign in bare), " ")
+
+
+def _cells(line: str, separator: str) -> list[str]:
+    """The cells of one line; a unit in brackets belongs to the word before it."""
+    if separator == " ":
+        cells = re.findall(r'"[^"]*"|[^\s\[(]+(?:\s*[\[(][^\])]*[\])])?|\S+', line)
+        return [cell.strip('"') for cell in cells]
+    reader = csv.reader([line], delimiter=separator, skipinitialspace=True)
+    return [cell.strip() for cell in next(reader)]
 
 
 def _name_with_unit(cell: str) -> tuple[str, Any]:
@@ -311,21 +321,22 @@ def _name_with_unit(cell: str) -> tuple[str, Any]:
 
 def _unit(text: str) -> Unit | str:
     """The unit that a text names, also as other programs write it, or why there is none."""
-    plain = text.translate(_SIGNS).strip()
-    word = plain.lower() if plain.lower() in _WORDS else plain
-    milli = _MILLI.fullmatch(word)
-    factor, name = FOREIGN_UNITS.get(word, (1e-3, milli[1]) if milli else (1, word))
-    if powers := re.search(r"(?<![A-Za-z])ms-(\d)", plain):
-        readings = f"m s-{powers[1]} or 1/ms{powers[1]}".removesuffix("1")
-        return f"{text!r} could be {readings}; allowed: one of these"
-    if word in ("g", "t"):  # grams, or the acceleration of gravity; tonnes, or the time
-        return f"{text!r} is not a unit; allowed: kg, or m/s2 for an acceleration"
+    for form, words in _UNCLEAR.items():
+        if re.search(form, text.strip()):
+            return f"{text!r} could be {words}; allowed: one of these units"
+    factor, name = translate(text)
     try:
         si_unit = unit(name)
     except UnitError as error:
-        return str(error)
+        return str(error).replace(repr(name), repr(text), 1)
     return si_unit._replace(numerator=si_unit.numerator * factor)
 
 
-_MILLI = re.compile(r"m((?:N|J|Pa|deg|Hz)(?![A-Za-z]).*)")
-_WORDS = ("deg", "rad", "rpm", *(word for word in FOREIGN_UNITS if len(word) > 2))
+_UNCLEAR = {
+    r"\bg\b(?!/c?m)": "a mass (kg) or an acceleration (m/s2)",
+    r"\bt\b(?!/m)": "a mass (kg) or a time (s)",
+    r"\blbs?\b": "a mass (kg) or a force (lbf)",
+    r"^1?\s*/\s*min$|^min\^?[-−⁻]": "a speed (rpm) or a frequency (Hz)",
+    r"\bms\^?[-−⁻][1¹]": "m/s or 1/ms",
+    r"\bms\^?[-−⁻]?[2²]": "m/s2 or a square of ms",
+}

@@ -415,6 +415,13 @@ OF_CAMPAIGNS = {"campaign", "scene", "solver", "intervals", "design", "responses
 """Keys by which a campaign's file is known, with which people come here."""
 
 
+PREFIXES = ("x-", ".")
+"""Beginnings of keys at the top of a file that are ignored: they hold what anchors mark."""
+
+OTHER_KEYS = {"patternProperties": {r"^(x-|\.)": {}}, "additionalProperties": False}
+"""What JSON Schema says of keys that a file does not have: those ignored are allowed."""
+
+
 def check_keys(node: Node, key: str, keys: tuple[str, ...], problems: Problems) -> None:
     """Note in `problems` each key of the table `node`, of path `key`, that is not allowed."""
     for name in node.entries.keys() - set(keys):
@@ -425,10 +432,13 @@ def check_keys(node: Node, key: str, keys: tuple[str, ...], problems: Problems) 
 
 
 def correct_keys(node: Node, keys: tuple[str, ...], problems: Problems) -> Node:
-    """Return the file's top table `node` with misspelt keys renamed to those of `keys`, the allowed
-    ones, that are likely meant; each misspelling is noted in `problems`."""
+    """Return the file's top table `node` without keys that are ignored, and with misspelt ones
+    renamed to those of `keys`, the allowed ones, that are likely meant; each misspelling is noted
+    in `problems`."""
+    tables = {name: entry for name, entry in node.entries.items() if not name.startswith(PREFIXES)}
+    node = Node(tables, node.line, node.lines)
     check_keys(node, "", keys, problems)
     fixes = {name: likely(name, keys) for name in node.entries.keys() - set(keys)}
     names = {n: n if fixes.get(n, n) in node.entries else fixes[n] or n for n in node.entries}
     entries = {names[name]: entry for name, entry in node.entries.items()}
-    return Node(entries, node.line, {names[name]: line for name, line in node.lines.items()})
+    return Node(entries, node.line, {names[name]: node.lines[name] for name in node.entries})

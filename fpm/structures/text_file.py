@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 
 from fpm.arithmetic.expressions import ExpressionError, parse
-from fpm.arithmetic.units import Unit, UnitError, unit
+from fpm.arithmetic.units import Unit, UnitError, number_hint, unit
 from fpm.declare import NO_VALUE
-from fpm.errors import SceneError, did_you_mean, number_hint
+from fpm.errors import SceneError, did_you_mean
 from fpm.scenes.scene import Scene
 from fpm.scenes.scene_type import Parameter, SceneType
 from fpm.structures.builder import Builder
@@ -28,6 +28,7 @@ from fpm.structures.model import KEYS, TEXTS, UNIT_KEYS, FileStatements, overall
 from fpm.structures.names import Names
 from fpm.structures.reading import (
     OF_CAMPAIGNS,
+    OTHER_KEYS,
     Node,
     Problems,
     check_keys,
@@ -363,7 +364,7 @@ def schema() -> dict[str, Any]:
     tops = dict.fromkeys(TEXTS, STRING) | _entry(overall)["properties"]
     tops |= {key: {"type": ["object", "null"], **table} for key, table in tables.items()}
     properties = {key: tops[key] for key in KEYS}
-    return {"type": "object", "properties": properties, "additionalProperties": False}
+    return {"type": "object", "properties": properties, **OTHER_KEYS}
 
 
 def _entry(statement: Statement) -> dict[str, Any]:

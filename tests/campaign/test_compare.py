@@ -1,6 +1,7 @@
 """Results side by side: numbers of both, as text, JSON and a page."""
 
 import json
+import shutil
 
 import numpy as np
 import pytest
@@ -8,9 +9,11 @@ import xarray
 from opening_panel import exact_time, panel, run
 
 from deployable.campaign.cli import main
+from deployable.campaign.files import read_json, write_result
 from deployable.campaign.folder import Folder
 from deployable.campaign.results.compare import _curve, _state
 from deployable.campaign.results.response_bounds import ResponseBounds
+from fpm.files.seals import check
 
 
 @pytest.fixture(scope="module")
@@ -116,3 +119,21 @@ def test_own_runs_that_changed_are_said_by_the_name_of_their_file(tmp_path, monk
     state = _state(facts, Folder(tmp_path))
     assert state["design.file"] == "doe.csv" and state["checksum of doe.csv"] == "d9c1"
     assert "design.digest" not in state
+
+
+@pytest.mark.slow
+def test_results_of_another_program_that_lack_data_are_to_be_made_again(
+    pair, tmp_path, capsys, monkeypatch
+):
+    folder = shutil.copytree(pair[0], tmp_path / "old")
+    (path, facts) = (folder / "summary.json", read_json(folder / "summary.json"))
+    del facts["quantities"]
+    write_result(path, json.dumps(facts, indent=1), plan=check(path)["plan"])
+    commands = ["compare", pair[1], str(folder)], ["page", str(folder), "--config", "{}"]
+    with pytest.raises(KeyError):  # of this program it is a fault of its own
+        main(commands[0])
+    monkeypatch.setattr("deployable.campaign.plan.plan.program_digest", lambda: "another")
+    for command in commands:
+        assert main(command) == 1
+        text = f"{folder}: made by another version of this program ('quantities' is missing): run"
+        assert f"{text} the campaign again\n" in capsys.readouterr().err

@@ -84,10 +84,12 @@ def test_whole_numbers_and_names_as_programs_write_them():
 campaign: test
 scene: {name: bennett, parameters: {elements: 2.0}}
 solver: {duration: 4e-3, instants: 9.0}
-intervals: {a: {relative: 1e-2}}
+x-widths: &wide {relative: 1e-2}
+.marks: [&few 0.2e1]
+intervals: {a: *wide}
 design: {method: sobol, samples: 2e3}
 held_out: 2.0
-jobs: {group: 0.2e1}
+jobs: {group: *few}
 responses: {gro\u0308ße: {distance: [B, D]}}
 quantities: {top: {largest: größe}}
 requirements: {1: {top: {at_most: 1}}}

@@ -90,6 +90,9 @@ RIGHT = {
     "signs of comments in quotes": "no,t [s],angle [rad]\n" + '"#1",0,0.5\n"%",0.5,-0.25\n'
     '"//a",1.25,1.125\n',
     "comments of text with separators": H + R.replace("\n", "\n# stopped, then restarted\n", 1),
+    "the same times twice": "t [s],angle [rad],t [ms]\n0,0.5,0\n0.5,-0.25,500\n1.25,1.125,1250\n",
+    "a time for each channel": "time1 [s],angle [rad],time2 [s],x [mm]\n"
+    "0,0.5,0,1\n0.5,-0.25,0.5,2\n1.25,1.125,1.25,3\n",
     "rows of separators at both ends": "t [s],angle [rad]\n,\n" + R + ",\n,\n",
 }
 
@@ -129,7 +132,16 @@ REFUSED = {
     "zero bytes": ((H + R).replace("1", "\0"), "it is no text"),
     "clock times": (H + "00:00:00,0.5\n", "line 2: '00:00:00' is not allowed; allowed: seconds si"),
     "a delay, and a time without a unit": (
-        "time,delay [s],angle [rad]\n0,0.1,1\n1,0.2,2\n", "line 1: the time could be delay or time"
+        "time,delay [s],angle [rad]\n0,0.1,1\n1,0.2,2\n",
+        "line 1: the time could be delay (column 2, 0.1 to 0.2 s) or time (column 1); allowed: ",
+    ),
+    "other times for each channel": (
+        "Zeit [s],angle [rad],Zeit [s],x [m]\n0,1,0,1\n1,2,3,4\n",
+        "the time could be Zeit (column 1, 0 to 1 s) or Zeit (column 3, 0 to 3 s)",
+    ),
+    "a shorter channel": (
+        "time1 [s],angle [rad],time2 [s],x [m]\n0,1,0,1\n1,2,,\n",
+        "line 1: the time could be time1 (column 1, 0 to 1 s) or time2 (column 3); allowed: ",
     ),
     "apostrophes": ("t [ms];angle [rad]\n0;1\n1'250;1\n", 'line 3: "1\'250" is not allowed'),
     "quoted thousands": ('t [ms],angle [rad]\n0,1\n"1,250",1\n', "line 3: '1,250' could be 1.250"),
@@ -145,7 +157,7 @@ REFUSED = {
 }  # fmt: skip
 
 UNUSABLE = {  # files with a time, whose column `angle` cannot be used
-    "m/s or 1/ms": ("t [s],angle [ms-1]\n" + R, "'ms-1' could be m s-1 or 1/ms"),
+    "m/s or 1/ms": ("t [s],angle [ms-1]\n" + R, "'ms-1' could be m/s or 1/ms"),
     "1.234 among commas": (SEMI + "0,5;1.234\n", "line 2: '1.234' could be 1.234 or 1234 beside '"),
     "1,23 among thousands": (SEMI + "1,234.5;1\n1,235.5;1,2345.6\n", "line 3: '1,2345.6' could be"),
     "1.234 among points between thousands": (
@@ -159,11 +171,15 @@ UNUSABLE = {  # files with a time, whose column `angle` cannot be used
         "t [s],angle [Grad]\n" + R,
         "'Grad' is not a unit (did you mean deg?)",
     ),
+    "turns or radians": ("t [s],angle [1/min]\n" + R, "'1/min' could be a speed (rpm) or a frequ"),
+    "fused": ("t [s],angle [Nms/rad]\n" + R, "(did you mean N ms/rad or N m s/rad?)"),
+    "plural": ("t [s],angle [rads]\n" + R, "'rads' is not a unit (did you mean rad or rad s?)"),
+    "pounds": ("t [s],angle [in-lb]\n" + R, "could be a mass (kg) or a force (lbf); allowed"),
     "underscores": (H + R + "2,1_000\n", "line 5: '1_000' is not allowed"),
     "a name twice": ("t [s],angle [rad],angle [deg]\n0,1,2\n", "the column angle stands twice"),
     "a unit without brackets": ("t [s],angle m/s\n" + R, "angle m/s: it has no unit; allowed"),
     "two units": ("t [s],angle [deg] (rad)\n" + R, "'angle [deg] (rad)' has two units; allowed"),
-    "gravity": ("t [s],angle [g]\n" + R, "'g' is not a unit; allowed: kg, or m/s2"),
+    "gravity": ("t [s],angle [g]\n" + R, "'g' could be a mass (kg) or an acceler"),
     "an error of a sheet among values": (H + R + "2,#VALUE!\n", "line 5: '#VALUE!' is not allowed"),
     "hexadecimal": (H + "0,0x1F\n", "line 2: '0x1F' is not allowed; allowed: a finite number"),
 }
@@ -208,6 +224,18 @@ def test_words_in_brackets_and_units_of_unused_columns(tmp_path, head, used, fau
     assert ([*file.columns], [*file.faults]) == (used, faulty)
 
 
+@pytest.mark.parametrize(("symbol", "si"), [
+    ("kNm", 1e3), ("mNm", 1e-3), ("N-m", 1), ("N.m", 1), ("Nm/°", 180 / np.pi), ("Ncm", 0.01),
+    ("kgm²", 1), ("kg.mm2", 1e-6), ("deg/Nm", np.pi / 180), ("mm/min", 1e-3 / 60),
+    ("in²", 0.0254**2), ("in-lbf", 0.0254 * 4.4482216152605), ("km/h", 1 / 3.6),
+    ("deg/sec^2", np.pi / 180), ("m·s⁻²", 1), ("mdeg", np.pi / 180e3), ("usec", 1e-6),
+    ("U/min", 2 * np.pi / 60), ("daN", 10), ("g/cm3", 1e3), ("in.", 0.0254), ("Ns/m", 1),
+])  # fmt: skip
+def test_a_unit_of_instruments_is_converted(tmp_path, symbol, si):
+    file = read(tmp_path, f"t [s];x [{symbol}]\n0;2\n1;3\n")
+    np.testing.assert_allclose(file.columns["x"], [2 * si, 3 * si], rtol=1e-14)
+
+
 def test_names_with_spaces_and_times_before_0(tmp_path):
     name = "/Root/Bench 3/Encoder CH01"
     file = read(tmp_path, f"t [s],{name} [mm]\n-0.5,1\n0,2\n0.5,3\n")
@@ -218,6 +246,8 @@ def test_names_with_spaces_and_times_before_0(tmp_path):
 @pytest.mark.parametrize(("times", "fitting", "odd"), [
     (range(0, 2000, 100), 50, 1), ((0, 500, 1000), 20, 1), ((-2, -1.5, -1), None, 1),
     ((1700000000, 1700000001), None, 1), ((-1, 0.5), 1, None), ((0, 5), 1, None),
+    ((0, 1000), None, 1), ([k / 1e4 for k in range(20)], 0.1, 1), (range(-1500, 0, 50), None, 10),
+    ([k / 2000 for k in range(21)], 5, 10),  # a pulse, which may be short
 ])  # fmt: skip
 def test_a_record_that_runs_hardly_reach_is_questioned(tmp_path, times, fitting, odd):
     rows = "".join(f"{time},{k % 2}\n" for k, time in enumerate(times))
@@ -236,7 +266,9 @@ def test_a_record_that_runs_hardly_reach_is_questioned(tmp_path, times, fitting,
             "solver": {"duration": duration}, "intervals": {"k": {"relative": 0.1}},
             "responses": {"phi": {"opening": "hinge"}},
         })  # fmt: skip
-        words = f"values lasts from {times[0]} to {times[-1]} s: check the unit of its times"
+        words = (
+            f"values lasts from {times[0]:.12g} to {times[-1]:.12g} s: check the unit of its times"
+        )
         assert [any(words in text for text in campaign.experiment.warnings)] == expected
 
 

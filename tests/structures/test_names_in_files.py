@@ -45,6 +45,9 @@ WRITINGS = {
         ("rest: 0 deg", "rest: &rest 0 deg"), ("value: 2, whole", "value: &n 2, whole"),
         ("elements: n", "elements: *n"), ("record:", "let: {unused: n}\nrecord:"),
     ),
+    "keys that hold what is marked": "x-parts: &i [0.1, 0.1, 0.1]\n.marks: {brake: &b {type: "
+    "friction, joint: hinge}}\n" + other(("inertia: [0.1, 0.1, 0.1]", "inertia: *i"),
+                                         ("{type: friction, joint: hinge, ", "{<<: *b, ")),
     "merges": other(
         ("unit: N m}", "unit: N m, range: [0, 1]}"),
         ("  fold: {", "  fold: {<<: {description: angle}, "),

@@ -21,16 +21,17 @@ from deployable.campaign.config.measured import measured_warnings
 from deployable.campaign.config.plausible import requirement_warnings
 from deployable.campaign.config.sections import scene_type
 from deployable.campaign.config.units import number_in
-from deployable.campaign.errors import CampaignError, ConfigError, error_of_files
+from deployable.campaign.errors import CampaignError, ConfigError
 from deployable.campaign.export import COLOURS, FORMATS, choose
 from deployable.campaign.export import export as write_export
 from deployable.campaign.files import read_json, write_text
-from deployable.campaign.folder import CAMPAIGN
+from deployable.campaign.folder import CAMPAIGN, Folder
 from deployable.campaign.pictures.drawing import SUFFIXES, write_structure
+from deployable.campaign.plan.plan import errors_of_results
 from deployable.campaign.results.templates import doubt_texts, summary_text
 from deployable.campaign.runs.progress import MessagePrinter
 from deployable.campaign.stages.workflow import Workflow, complete
-from fpm.errors import number_hint
+from fpm.arithmetic.units import number_hint
 
 UNMET = 3  # exit status of `run --require` where not all of the box meets all requirements
 
@@ -185,7 +186,8 @@ def _compare(options: argparse.Namespace) -> int:
         raise CampaignError(f"--html {options.html}; allowed: the name of a page, such as all.html")
     texts = []
     for is_shown in [True] * bool(options.html or not options.json) + [False] * options.json:
-        facts, curves = compare(options.folders, is_shown)
+        with errors_of_results(*map(Folder, options.folders)):
+            facts, curves = compare(options.folders, is_shown)
         for row, path in zip(facts["cases"], options.folders, strict=True):
             row["folder"] = os.path.relpath(path, options.html.parent if options.html else ".")
         if is_shown and options.html:
@@ -233,10 +235,8 @@ def _structure(options: argparse.Namespace) -> int:
     if path.suffix not in SUFFIXES:
         print(f"--picture {path} is not allowed; allowed: {', '.join(SUFFIXES)}", file=sys.stderr)
         return 1
-    try:
+    with errors_of_results(Folder(path.parent)):
         print(f"\npicture       {write_structure(structure.build(), path)}")
-    except OSError as error:
-        raise error_of_files(error, path.parent) or error from None
     return 0
 
 
@@ -252,12 +252,10 @@ def _export(options: argparse.Namespace) -> int:
     """Write a run for other programs: ParaView, glTF, a moving picture, CSV."""
     settings = dict(pair.partition("=")[::2] for pair in options.set)
     place = options.output or Path("exports")
-    try:
+    with errors_of_results(Folder(place), Folder(Path(options.what))):
         selection = choose(options.what, options.run, settings, options.duration)
         if selection.folder and not options.output:
             place = selection.folder / "exports"
         paths = write_export(selection, options.to, place, options.frames, options.colour)
-    except (MemoryError, OSError, RuntimeError) as error:  # a damaged result, a full disk
-        raise error_of_files(error, place) or error from None
     print("\n".join(map(str, paths)))
     return 0

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from deployable.campaign.config.models import MeasuredTest
+from deployable.campaign.config.plausible import LARGEST
 from deployable.campaign.config.resolve import allows, parameter_problems, real_names, unknown
 from deployable.campaign.config.sections import Campaign, Experiment, ResolvedTest
 from deployable.intervals.box import MOST_FULL
@@ -151,11 +152,11 @@ def measured_warnings(campaign: Campaign) -> Iterator[str]:
     experiment = campaign.experiment
     responses = {curve.name: curve for curve in experiment.response_list}
     for name, test in campaign.measured.items():
-        curves = read_test(test)
-        span, duration = float(np.ptp(curves.times)), experiment.solver.duration
-        if 0 < span < duration / ODD:
+        curves, duration = read_test(test), experiment.solver.duration
+        is_whole = test.window is None or test.window[0] - curves.start < duration
+        if not duration / ODD <= curves.length <= (LARGEST * duration if is_whole else np.inf):
             yield (
-                f"measured.{name}: the times of {test.file} span {span:.4g} s of a run of "
+                f"measured.{name}: the times of {test.file} span {curves.length:.4g} s, and a run "
                 f"{duration:g} s: check their unit, such as s for ms"
             )
         for response, values, bands in zip(
@@ -196,12 +197,15 @@ def _usual_sizes(experiment: Experiment, response: Response) -> tuple[float, flo
 @dataclass(frozen=True)
 class MeasuredCurves:
     """Curves (n, T) of a test at T instants, with the `bands` of sensor and model together, both in
-    the units of the responses. rows: how many rows of the file lie there."""
+    the units of the responses. rows: how many rows of the file lie there; start, length: when the
+    file begins, and how long it lasts (s)."""
 
     times: np.ndarray
     values: np.ndarray
     bands: np.ndarray
     rows: int
+    start: float
+    length: float
 
 
 def read_test(test: ResolvedTest) -> MeasuredCurves:
@@ -222,4 +226,5 @@ def read_test(test: ResolvedTest) -> MeasuredCurves:
     ]  # fmt: skip
     margins = [[test.model.get(response, 0.0)] for response in test.columns.values()]
     values = np.array([file.columns[column][rows] for column in test.columns])
-    return MeasuredCurves(file.times[rows], values, np.array(bands) + margins, count)
+    span = file.times[0], np.ptp(file.times)
+    return MeasuredCurves(file.times[rows], values, np.array(bands) + margins, count, *span)

@@ -91,4 +91,4 @@ def _read_columns(design: Any, experiment: Any) -> tuple[dict[str, np.ndarray], 
             table.refuse(table.head, f"{text}; allowed: {names}, and `run` or `note`")
     if not columns:
         table.refuse(table.head, f"no column of a parameter; allowed: {names}")
-    return columns, [f"file: {design.file}, line {line}" for line in table.lines]
+    return columns, [f"file: {design.file}, line {line}" for line, _ in table.rows]

@@ -22,8 +22,9 @@ LARGEST = 100.0
 """Length that a requirement states, by the structure's extent, and end of a curve, by that of the
 runs, above which it says nothing."""
 
-SPARSEST = 30.0
-"""Second time of a curve, by the duration of the runs, above which the same holds."""
+SPARSEST, BRIEFEST = 30.0, 300.0
+"""Second time of a curve by the duration of the runs, above which the same holds, and duration by
+the length of a curve that is no pulse, above which it is odd."""
 
 
 def experiment_warnings(experiment: Any) -> list[str]:
@@ -135,13 +136,17 @@ def _time_texts(experiment: Any) -> Iterator[str]:
             )
     feature = find_curve_step(scene, duration)
     for curve in scene.curves:
-        times = curve.times
+        times, values, points = curve.times, curve.values, len(curve.times)
+        length, is_table = np.ptp(times), curve.powers.shape[1] < 4
+        is_pulse = abs(values[-1] - values[0]) < 0.01 * np.ptp(values)
+        is_pulse &= abs(1000 * length - duration) > 0.1 * duration  # else ms may be s
         is_odd = times[-1] <= 0 or times[0] >= duration
-        is_odd |= len(times) > 2 and times[1] > SPARSEST * duration
-        is_odd |= len(times) >= FEWEST and times[-1] > LARGEST * duration
-        if np.ptp(curve.values) and is_odd:
+        is_odd |= points > 1 and times[1] > (SPARSEST if points > 2 else LARGEST) * duration
+        is_odd |= points >= FEWEST and length > LARGEST * duration
+        is_odd |= points >= FEWEST and is_table and not is_pulse and BRIEFEST * length < duration
+        if np.ptp(values) and is_odd:
             yield (
-                f"solver.duration: {duration:g} s, but a curve of {len(times)} values lasts from "
+                f"solver.duration: {duration:g} s, but a curve of {points} values lasts from "
                 f"{times[0]:.12g} to {times[-1]:.12g} s: check the unit of its times, such as ms, "
                 "and where they begin"
             )

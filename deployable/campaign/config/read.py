@@ -9,11 +9,12 @@ from typing import Any
 
 from deployable.campaign.config.keys import RefusedError, Rule, rule_of
 from deployable.campaign.config.models import Config
+from fpm.arithmetic.units import number_hint
 from fpm.declare import NO_VALUE
-from fpm.errors import did_you_mean, likely, number_hint
+from fpm.errors import did_you_mean, likely
 from fpm.reading import quantities, responses
 from fpm.structures.model import KEYS
-from fpm.structures.reading import commas
+from fpm.structures.reading import OTHER_KEYS, PREFIXES, commas
 
 
 def read(raw: Any) -> tuple[Config | None, dict, list[str]]:
@@ -42,7 +43,7 @@ def whole() -> Rule:
 def schema() -> dict[str, Any]:
     """Return the JSON Schema of configs, by which editors complete and check them. What depends on
     a structure's names and units is left to the program."""
-    result = whole().schema
+    result = whole().schema | OTHER_KEYS
     result["required"].remove("responses")  # there may be margins
     requirement = result["properties"]["requirements"]["additionalProperties"]
     requirement["properties"]["cases"] = {"type": "array", "items": {"type": "string"}}
@@ -157,9 +158,10 @@ def _refusal(key: Rule, path: tuple, value: Any) -> str:
 
 def correct_sections(raw: Any) -> tuple[Any, list[str]]:
     """Return the config with sections under the names likely meant, and a sentence for each that is
-    renamed, in which nothing else is then wrong for its name."""
+    renamed, in which nothing else is then wrong for its name. Those ignored are left out."""
     names: Any = Config.__dataclass_fields__
     fixes: dict[str, str] = {}
+    raw = {name: section for name, section in raw.items() if not str(name).startswith(PREFIXES)}
     for name in [name for name in raw if isinstance(name, str) and name not in names]:
         likely_name = likely(name, names)
         if likely_name not in ("", *raw, *fixes.values()):

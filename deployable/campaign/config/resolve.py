@@ -28,7 +28,8 @@ from deployable.campaign.config.sections import (
     SceneChoice,
 )
 from fpm import SceneError
-from fpm.errors import did_you_mean, number_hint
+from fpm.arithmetic.units import number_hint
+from fpm.errors import did_you_mean
 from fpm.reading.margins import OPTIONAL
 from fpm.reading.responses import KINDS, kind_of
 

@@ -16,8 +16,7 @@ from deployable.campaign.config.models import Config
 from deployable.campaign.config.read import show, whole
 from deployable.campaign.config.resolve import with_margins
 from deployable.campaign.config.sections import scene_type
-from fpm.arithmetic.units import NUMBER, Dimension, Unit, UnitError, unit
-from fpm.errors import number_hint
+from fpm.arithmetic.units import NUMBER, Dimension, Unit, UnitError, number_hint, unit
 from fpm.files.outcome import eventful
 from fpm.reading import quantity_definitions
 from fpm.reading.quantities import KINDS

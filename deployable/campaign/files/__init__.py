@@ -47,9 +47,13 @@ def report_damage(path: str | os.PathLike) -> Iterator[None]:
         is_other = isinstance(error, OSError) and (error.errno or 0) > 0  # it is not there, say
         if is_other or isinstance(error, CampaignError | DamagedError):
             raise
-        words = " ".join(str(error).split()) or type(error).__name__
-        is_missing = isinstance(error, LookupError)
-        raise DamagedError(path, f"{words} is missing" if is_missing else words) from error
+        raise DamagedError(path, describe_error(error)) from error
+
+
+def describe_error(error: Exception) -> str:
+    """Say what of the data is wrong, by the error that reading it raised."""
+    words = " ".join(str(error).split()) or type(error).__name__
+    return f"{words} is missing" if isinstance(error, KeyError) else words
 
 
 _FACTS: ContextVar[Mapping[str, str]] = ContextVar("facts of the results", default={})  # noqa: B039

@@ -16,7 +16,8 @@ import hashlib
 import json
 import math
 from base64 import b64decode, b64encode
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import asdict, dataclass, field
 from functools import cached_property, lru_cache
 from pathlib import Path
@@ -32,16 +33,21 @@ from deployable.campaign.config.sections import (
     make_design,
     steps_problems,
 )
-from deployable.campaign.errors import CampaignError
+from deployable.campaign.errors import CampaignError, error_of_files
 from deployable.campaign.files import (
     FAILURE_VARIABLES,
     ROLES,
+    describe_error,
     read_json,
     report_damage,
     write_result,
 )
+from deployable.campaign.folder import Folder
+from deployable.campaign.provenance import program_digest
 from deployable.intervals import held_out_points
 from deployable.intervals.box import MOST_FULL
+from fpm.errors import SceneError
+from fpm.files.seals import DamagedError
 from fpm.files.trajectory import CONVENTIONS
 from fpm.scenes.timestep import find_curve_step
 
@@ -378,3 +384,31 @@ def read_plan(path: str | Path) -> Plan:
         runs = Runs.from_points(experiment, role, points, time.step, mechanics)
         adaptive = from_data(Rounds, data["adaptive"]) if "adaptive" in data else None
     return Plan(experiment, mechanics, time, runs, adaptive)
+
+
+@contextmanager
+def errors_of_results(*folders: Folder) -> Iterator[None]:
+    """Context manager for code that reads folders of results or writes to the first: errors of
+    files become `CampaignError`s, and any where another program made results, which lack data."""
+    try:
+        yield
+    except (CampaignError, SceneError):
+        raise
+    except Exception as error:
+        file_error = error_of_files(error, folders[0].path)
+        is_data = file_error is None or isinstance(error, DamagedError)
+        reason = error.reason if isinstance(error, DamagedError) else describe_error(error)
+        paths = [str(x.path) for x in folders if is_data and _is_of_another_program(x)]
+        if paths:
+            text = f"made by another version of this program ({reason}): run the campaign again"
+            raise CampaignError(f"{', '.join(paths)}: {text}") from error
+        if file_error is None:
+            raise
+        raise file_error from error
+
+
+def _is_of_another_program(folder: Folder) -> bool:
+    with suppress(OSError):
+        plan = read_json(folder.plan)
+        return plan.get("mechanics") != digest([program_digest(), plan.get("structure")])
+    return False

@@ -12,10 +12,10 @@ from pathlib import Path
 from typing import Any, get_type_hints
 
 from deployable.campaign.config.sections import Campaign, Experiment, digest, from_data
-from deployable.campaign.errors import CampaignError, error_of_files
+from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import check_results, read_json, results_of
 from deployable.campaign.folder import MOST_PANELS, PICTURES, Folder
-from deployable.campaign.plan.plan import read_plan
+from deployable.campaign.plan.plan import errors_of_results, read_plan
 from deployable.campaign.provenance import program_digest
 from deployable.campaign.runs.progress import LOGGER, Notify
 from fpm.errors import SceneError
@@ -71,20 +71,16 @@ class Stage:
         by name. Raises `CampaignError` for trouble with files, also files of several plans."""
         sections, start = {name: arguments[name] for name in self.sections}, time.monotonic()
         try:
-            for place in folder.stage_folders:
-                remove_temporary(place)
-            facts = {"basis": self.basis(sections), **check_results(folder, self.takes)}
-            with results_of(facts):
-                self.work(folder, notify, **arguments)
+            with errors_of_results(folder):
+                for place in folder.stage_folders:
+                    remove_temporary(place)
+                facts = {"basis": self.basis(sections), **check_results(folder, self.takes)}
+                with results_of(facts):
+                    self.work(folder, notify, **arguments)
             if LOGGER.isEnabledFor(logging.DEBUG):
                 notify(f"{folder.path}: stage {self.name} took {time.monotonic() - start:.2f} s")
         except SceneError as error:  # of the structure that the results name
             raise CampaignError(f"{folder.path}: {error}; run the campaign again") from error
-        except (MemoryError, OSError, RuntimeError) as error:
-            file_error = error_of_files(error, folder.path)
-            if file_error is None:
-                raise
-            raise file_error from error
 
     def basis(self, sections: Mapping[str, Any]) -> str:
         """Return a digest of what the stage's results depend on apart from the files that it reads:

@@ -272,9 +272,39 @@ def test_a_time_that_grows_towards_where_it_ceases_is_never_told_an_upper_end(it
     (end,) = converge_bounds(model, iterations)
     is_told = end.outer[1] == LATEST
     assert is_told or end.may_be_endless
-    assert is_told == (iterations == 2)
+    assert is_told == (iterations > 0)
     row = {"lower": 0.6, "upper": 1.8, "error": 0.6, "units": "s", "may_be_endless": True}
     assert interval(row) == "0.6 to 1.8 s (it may have no upper end)"
+
+
+@pytest.mark.parametrize(
+    ("shape", "is_endless"),
+    [
+        (lambda s: -0.02 * np.log(np.abs(s)), True),
+        (lambda s: np.where(s > 0, -0.02, -0.03) * np.log(np.abs(s)), True),
+        (lambda s: 0.02 * np.abs(s) ** -0.25, True),
+        (lambda s: np.where(s > 0, -0.02 * np.log(np.abs(s)), np.nan), True),
+        (lambda s: np.where(s > 0, 0.3 - 0.2 * np.sqrt(np.abs(s)), np.nan), False),
+        (lambda s: 0.3 - 0.2 * np.sqrt(np.abs(s)), False),
+        (lambda s: np.where(s > 0, 0.3 - 0.2 * np.sqrt(np.abs(s)), -0.2), False),
+        (lambda s: 0.3 - 0.2 * np.abs(s), False),
+        (lambda s: np.where(s > 0, 0.3 - 0.1 * s, -0.2), False),
+        (lambda s: 0.3 - 0.2 * s**2, False),
+    ],
+)
+def test_only_a_time_that_grows_with_every_halving_has_no_upper_end(shape, is_endless):
+    """By the distance s from a curve in the box: logarithms and a power; roots, with and without
+    the event beyond, a corner, a jump, a parabola."""
+    model = ClosedBench(Closed("late", 2, 11, 0.0), 17)
+
+    def told(unit, plan):
+        distance = unit[:, 0] + 0.3 * unit[:, 1] ** 2 - 0.137
+        return 0.6 + shape(distance) + 0.05 * unit[:, 1], np.full(len(unit), np.nan)
+
+    model.of = SimpleNamespace(told=told)
+    model.numbers, model.margins = model.evaluate(model.plan, model.points)
+    (end,) = converge_bounds(model, 2)
+    assert (end.outer[1] == LATEST or end.may_be_endless) == is_endless
 
 
 def test_a_number_that_finer_runs_lose_everywhere_leaves_all_open():
@@ -406,7 +436,7 @@ def test_what_only_rounding_varies_needs_no_further_runs(size):
     ],
 )
 def test_what_no_run_breaks_is_sure_beyond_the_errors(free, slack, kind, margins, sure):
-    """Of the number, 0.1, and of where it exists, 0.2."""
+    """Of the number, 0.1, and of where it exists, 0.2; of a time without upper end, nothing is."""
     number = SimpleNamespace(always_exists=kind == "largest")
     box = SimpleNamespace(free=np.array(free))
     model = SimpleNamespace(
@@ -415,10 +445,12 @@ def test_what_no_run_breaks_is_sure_beyond_the_errors(free, slack, kind, margins
         points=np.linspace(-1, 1, len(margins))[:, None],
     )
     limit = SimpleNamespace(kind="at_most", error=0.1, border_error=0.2)
-    assess_limits = SimpleNamespace(
-        limits=[limit], specs=[SimpleNamespace(quantity=0)], worst=[(slack, None)]
-    )
-    assert limits.is_shown(model, assess_limits, 0) is sure
+    for endless in ((), (0,)):
+        result = SimpleNamespace(
+            limits=[limit], specs=[SimpleNamespace(quantity=0)], worst=[(slack, None)],
+            endless=endless,
+        )  # fmt: skip
+        assert limits.is_shown(model, result, 0) is (sure and not (endless and any(free)))
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ The runs that decide were made with those of the quantities' ends."""
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -64,7 +64,9 @@ class LimitAssessment:
     box, and its normalized point (k); largest: scale (0 to 1) of the largest box about the nominal
     point in which all limits hold, then, if below 1, index of the limit that fails first beyond it,
     and where; failure_point (k): normalized, where a limit fails, None if none does; doubt (k):
-    where a run is most likely to fail in that box, or at its border; None where no run failed."""
+    where a run is most likely to fail in that box, or at its border; None where no run failed;
+    endless: indices of quantities that may have no upper end, so that no fit shows an upper limit
+    on them."""
 
     specs: Sequence[LimitSpec]
     limits: list[Any]
@@ -73,6 +75,7 @@ class LimitAssessment:
     largest: tuple[float, int | None, np.ndarray | None]
     failure_point: np.ndarray | None
     doubt: np.ndarray | None = None
+    endless: Sequence[int] = ()
 
     @property
     def points(self) -> list[np.ndarray]:
@@ -145,6 +148,8 @@ def is_shown(
     if not model.experiment.box.free.any():
         return True
     worst = result.worst[i][0] if worst is None else worst
+    if limit.kind == "at_most" and q in result.endless:
+        return False
     if limit.kind != "happens" and not worst >= limit.error:
         return False
     sign = -1 if limit.kind == "happens" and not limit.level else 1
@@ -198,7 +203,8 @@ def answer(model: ModelEvaluator, requirements: Mapping[str, Mapping]) -> None:
     """Assess in which part of the box the requirements are met, and write `requirements.json` into
     the folder of `model`, which has all runs; nothing is simulated."""
     results = QuantityResults.read(model.folder)
-    rows = judge(model, requirements, results.errors)
+    endless = [q for q, row in enumerate(results.rows) if row["may_be_endless"]]
+    rows = judge(model, requirements, results.errors, endless)
     pairs = zip(results.rows, model.experiment.quantity_list, strict=True)
     quantities = {q.name: (row, q.least if q.always_exists else None) for row, q in pairs}
     for limit in (limit for row in rows["requirements"] for limit in row["limits"]):
@@ -221,12 +227,15 @@ def why_idle(limit: Mapping, row: Mapping, least: float | None) -> str | None:
 
 
 def judge(
-    model: ModelEvaluator, requirements: Mapping[str, Mapping], errors: np.ndarray | None = None
-) -> dict[str, Any]:
+    model: ModelEvaluator, requirements: Mapping[str, Mapping], errors: np.ndarray | None = None,
+    endless: Sequence[int] = (),
+) -> dict[str, Any]:  # fmt: skip
     """Find where in the box the requirements are met, in the form of `requirements.json`. errors
-    (2, q): by mesh and step, of values and of decision functions, or None."""
+    (2, q): by mesh and step, of values and of decision functions, or None; endless: indices of
+    quantities that may have no upper end."""
     specs = list_limits(requirements, list(model.experiment.quantities))
     result = assess_limits(model, model.surrogates(), specs, errors)
+    result = replace(result, endless=endless)
     shares, halves, rows = _find_shares(model, result), _worst_of_halves(model, result), []
     for name in requirements:
         indices = _indices(result, name)

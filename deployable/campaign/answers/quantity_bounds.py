@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from deployable.campaign.answers.endless import grows_without_end
 from deployable.campaign.answers.evaluations import SAME_POINT, ModelEvaluator
 from deployable.campaign.answers.limits import LimitSpec, assess_limits
 from deployable.campaign.plan.jobs import LANES
@@ -22,6 +23,7 @@ _PARAMETER_RUNS = 8  # runs for each parameter before the surrogate says where o
 _ROUGH = 0.02  # of the width of the runs: error of a fit that is not close
 _MOST_SPREAD = 4  # times as many where a quantity has no value
 _CORNER_DIRECTIONS = 3  # parameters whose corners are run at once
+_UNSURE = 0.02  # of the width: error of an upper bound whose growth is followed
 _OPEN = 0.05  # of the width: error of an upper bound that may not exist
 _STAGNANT = 0.9  # of the error with half as many runs: what does not fall by more is given up
 _MOST_TURNS = 16  # runs for each parameter where expressions of the structure turn back or bend
@@ -38,7 +40,8 @@ class QuantityBounds:
     argmin, argmax (k): normalized points of these runs; estimates: `BoundEstimate` of the lower and
     the upper bound, empty without a value; unconverged (2): whether the surrogate goes below
     `lower`, above `upper` by more than 0.1 % of the width; remainders (2): by how much lower and
-    upper bound may be exceeded as searches did not come to their end (`Climb.remainder`)."""
+    upper bound may be exceeded as searches did not come to their end (`Climb.remainder`); is_grown:
+    whether runs on a line show that a time grows without an end, None if no runs tell."""
 
     surrogate: Any
     surrogate_range: Any
@@ -49,6 +52,7 @@ class QuantityBounds:
     estimates: tuple[Any, ...] = ()
     unconverged: tuple[bool, bool] = (False, False)
     remainders: tuple[float, float] = (0.0, 0.0)
+    is_grown: bool | None = None
 
     @property
     def outer(self) -> tuple[float, float]:
@@ -67,12 +71,25 @@ class QuantityBounds:
 
     @property
     def may_be_endless(self) -> bool:
-        """Whether the quantity, a time, may have no upper bound: the runs leave open how far it
-        grows towards where it ceases, and no performance function tells where that is."""
+        """Whether the quantity, a time, may have no upper bound: runs show it, or leave open how
+        far it grows towards where it ceases, and no performance function tells where that is."""
         occurrence, (lower, upper) = self.surrogate.occurrence, self.outer
+        if self.is_grown is not None:
+            return self.is_grown and upper < self.surrogate.latest
         is_blind = occurrence.is_mixed and not isinstance(occurrence, FittedOccurrence)
         is_below = is_blind and upper < self.surrogate.latest < np.inf
         return bool(is_below and self.estimates[1].error > _OPEN * (upper - lower))
+
+    @property
+    def is_growing(self) -> bool:
+        """Whether runs are to tell if the quantity, a time, grows without an end: its largest value
+        has an error, or lies beside where it ceases, which no performance function tells."""
+        surrogate = self.surrogate
+        if surrogate.latest == np.inf or surrogate.is_censored or not self.upper > self.lower:
+            return False
+        is_fitted = isinstance(surrogate.occurrence, FittedOccurrence)
+        is_blind = surrogate.occurrence.is_mixed and not is_fitted
+        return is_blind or self.estimates[1].error > _UNSURE * (self.upper - self.lower)
 
     @property
     def relative_error(self) -> float:
@@ -126,7 +143,7 @@ def converge_bounds(
             confirmations -= 1
             points = _find_deciding_points(model, bounds, specs)
         if not points or not _grow(model, points):
-            return bounds
+            return _follow_ends(climbs, bounds, mispredictions) if is_searched else bounds
         mispredictions = _mispredictions(model, bounds, mispredictions)
     raise AssertionError  # iterations end above
 
@@ -260,8 +277,9 @@ class _Climbs:
 
 
 def _bounds(
-    climbs: _Climbs, q: int, surrogate: Any, mispredictions: np.ndarray, is_searched: bool
-) -> QuantityBounds:
+    climbs: _Climbs, q: int, surrogate: Any, mispredictions: np.ndarray, is_searched: bool,
+    is_grown: bool | None = None,
+) -> QuantityBounds:  # fmt: skip
     """Bounds of one quantity; what runs attain where they were searched (`is_searched`)."""
     model, remainders = climbs.model, climbs.remainders(q)
     surrogate_range, values = surrogate.range(), model.numbers[:, q]
@@ -270,19 +288,39 @@ def _bounds(
         return QuantityBounds(surrogate, surrogate_range, np.nan, np.nan, no_point, no_point)
     rows = int(np.nanargmin(values)), int(np.nanargmax(values))
     lower, upper = (float(values[row]) for row in rows)
-    estimates: Any = estimate_bounds(surrogate, model.points, values, tuple(mispredictions))
+    estimates: Any = estimate_bounds(
+        surrogate, model.points, values, tuple(mispredictions), is_grown
+    )
     if is_searched:
         estimates = tuple(  # with their errors at least what they differ by, but at the runs' end
             e if e.value == surrogate.latest
             else e._replace(value=value, error=max(e.error, abs(e.value - value)))
             for e, value in zip(estimates, (lower, upper), strict=True)
         )  # fmt: skip
+    if is_grown and not surrogate.occurrence.is_mixed:  # else the end of the runs stands for it
+        estimates = estimates[0], estimates[1]._replace(error=np.inf)
     tolerance = TOLERANCE * max(upper - lower, surrogate_range.width)
     unconverged = surrogate_range.low < lower - tolerance, surrogate_range.high > upper + tolerance
     first, last = model.points[list(rows)]
     return QuantityBounds(
-        surrogate, surrogate_range, lower, upper, first, last, estimates, unconverged, remainders
-    )
+        surrogate, surrogate_range, lower, upper, first, last, estimates, unconverged, remainders,
+        is_grown,
+    )  # fmt: skip
+
+
+def _follow_ends(
+    climbs: _Climbs, bounds: list[QuantityBounds], mispredictions: np.ndarray
+) -> list[QuantityBounds]:
+    """Return the bounds with what further runs tell of times that may grow without an end: those
+    whose upper bound has an error, or lies beside where they cease."""
+    verdicts = [
+        grows_without_end(climbs.model, q, b.argmax, b.upper - b.lower) if b.is_growing else None
+        for q, b in enumerate(bounds)
+    ]
+    if set(verdicts) == {None}:
+        return bounds
+    rows = zip(climbs.model.surrogates(), mispredictions, verdicts, strict=True)
+    return [_bounds(climbs, q, *row[:2], True, row[2]) for q, row in enumerate(rows)]
 
 
 def _infill(bounds: Sequence[QuantityBounds]) -> list[np.ndarray]:

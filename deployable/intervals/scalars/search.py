@@ -52,21 +52,23 @@ def estimate_bounds(
     points: np.ndarray,
     values: np.ndarray,
     mispredictions: Sequence[float] = (0.0, 0.0),
+    is_endless: bool | None = None,
 ) -> tuple[BoundEstimate, ...]:
     """Estimate the lower and the upper bound of a quantity from its surrogate and values (N) of
     runs at `points` (N, k) in [-1, 1]^k, NaN where a run has none: two estimates; an empty tuple
     where no run has a value. mispredictions: for the lower and the upper bound, by how much the
     last run at that end of the surrogate differed from it; 0 without such a run, infinite if that
-    run has no value."""
+    run has no value; is_endless: whether a time is known to have no upper end, else None."""
     if surrogate.fit is None:
         return ()
     surrogate_range, values = surrogate.range(), level(values)
     rows = int(np.nanargmin(values)), int(np.nanargmax(values))
     width = max(float(np.diff(values[list(rows)])[0]), surrogate_range.width)
     tolerance = max(TOLERANCE * width, ROUNDING * np.abs(values[list(rows)]).max())
+    extremes = ((values[row], points[row]) for row in rows)
     return tuple(
-        _estimate(surrogate, surrogate_range, sign, (values[row], points[row]), tolerance, miss)
-        for sign, row, miss in zip((-1.0, 1.0), rows, mispredictions, strict=True)
+        _estimate(surrogate, surrogate_range, sign, attained, tolerance, miss, is_endless)
+        for sign, attained, miss in zip((-1.0, 1.0), extremes, mispredictions, strict=True)
     )
 
 
@@ -93,10 +95,11 @@ def _estimate(
     attained: tuple[float, np.ndarray],
     tolerance: float,
     misprediction: float = 0.0,
+    is_endless: bool | None = None,
 ) -> BoundEstimate:
     """Return the upper (sign 1) or lower (sign -1) bound of a quantity that has a fit. attained:
     extreme value of all runs, its unit point (k). Gains below `tolerance` do not count.
-    misprediction: see `estimate_bounds`."""
+    misprediction, is_endless: see `estimate_bounds`."""
     value, argument = attained
     end, peak = surrogate_range.low, surrogate_range.argmin
     if sign > 0:
@@ -122,7 +125,9 @@ def _estimate(
     # A time that in a part of the box comes after the runs have ended.
     is_late = excess > 0 and end >= surrogate.latest and excess <= _END_SHARE * width
     is_late = is_late or surrogate.is_censored
-    if sign > 0 and surrogate.occurrence.is_mixed and (is_late or _is_endless(surrogate, argument)):
+    if sign > 0 and surrogate.occurrence.is_mixed and not is_late:
+        is_late = _is_endless(surrogate, argument) if is_endless is None else is_endless
+    if sign > 0 and surrogate.occurrence.is_mixed and is_late:
         return BoundEstimate(surrogate.latest, 0.0, unit_points[: int(excess > tolerance)])
     if is_predicted:
         return BoundEstimate(end, max(error, gain - excess), unit_points)

@@ -373,6 +373,7 @@ def find_influence(
     rival, full_surrogate, surrogate = surrogate.rival, surrogate, surrogate.trend
     side = np.ones(k)
     lone_widths, fixed_widths, halved = np.zeros((3, k))
+    is_mixed = surrogate.occurrence.is_mixed
     errors = np.full(k, surrogate.error)
     previous = previous if previous is not None and previous.fit is not None else surrogate
     changes = [_width_error(surrogate, rival, -side, side)]
@@ -387,7 +388,8 @@ def find_influence(
             widths[j] = surrogate.range(lower, upper).width
             changes.append(abs(previous.range(lower, upper, climbs=1).width - widths[j]))
             errors[j] = np.fmax(errors[j], _width_error(surrogate, rival, lower, upper))
-            if is_endless and surrogate.find_place(lower, upper, False) is not None:
+            is_certain = is_mixed and surrogate.find_place(lower, upper, False) is None
+            if is_endless and not is_certain:
                 widths[j] = np.nan
     # What the corrections at runs add to the width of the whole box, the polynomial lacks in parts.
     lack = abs(full_surrogate.range().width - surrogate.range().width)

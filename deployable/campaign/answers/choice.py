@@ -33,6 +33,7 @@ from deployable.intervals.scalars import ChoiceProblem, Goal, Limit
 _DOUBTS = 4
 _REACH, _MOST_PARTS = 0.125, 4  # of a range: half of a part about a choice; parts in a row
 _LARGE = 0.25  # of the differences between choices: error that calls for runs there
+_ROOM, _FINE = 3.0, 1e-3  # in errors, of a best choice; of a margin's range: an error like none
 
 
 def answer(
@@ -56,14 +57,23 @@ def answer(
     best, safest, safe_ranges, trials = _search(model, base, choose, specs, verify.max_iterations)
     judge, error = model, _error(model, choose, None if best.is_allowed else specs)
     nominal = base.parameters(dict(zip(base.intervals, base.nominal, strict=True)))
-    for values in (best.values, np.array([nominal[name] for name in choose.parameters])):
+    start = np.array([nominal[name] for name in choose.parameters])
+    for values, reach in ((None, _REACH), (None, _REACH / 4), (start, _REACH)):
+        is_tight = values is None and _is_tight(judge, best, trials, specs)
         is_open = (not best.is_safe and abs(best.safety) < 1) or error > _LARGE * _spread(
             [best, *trials]
         )
-        if not verify.max_iterations or not is_open or model.account.allowance < len(design):
+        if not (is_tight or (is_open and reach == _REACH)):
+            continue
+        if not verify.max_iterations or model.account.allowance < len(design):
             break
-        local, candidate = _zoom(model, base, choose, specs, values)
-        if judge is model or (candidate.is_safe, candidate.safety) > (best.is_safe, best.safety):
+        values = best.values if values is None else values
+        local, candidate = _zoom(model, base, choose, specs, values, reach)
+        is_better = (candidate.is_safe, candidate.safety) > (best.is_safe, best.safety)
+        if is_tight and judge is not model:
+            gain = choose.goals[0][0] * (best.goals[0] - candidate.goals[0])
+            is_better = candidate.is_safe and gain > 0
+        if is_better or (judge is model and not is_tight):
             judge, best, safest = local, candidate, None
             error = _error(judge, choose, None if best.is_allowed else specs)
     lower, upper = _subbox(model, base, choose, best.values)
@@ -110,15 +120,16 @@ def answer(
 
 
 def _search(
-    model: ModelEvaluator, base: Experiment, choose: Choose, specs: list[LimitSpec], iterations: int
-) -> tuple[Any, Any, list, list]:
+    model: ModelEvaluator, base: Experiment, choose: Choose, specs: list[LimitSpec],
+    iterations: int, room: float = 1.0,
+) -> tuple[Any, Any, list, list]:  # fmt: skip
     """Find the best and the safest choice (`intervals.scalars.Choice`), the safe range of each
     chosen value, and the choices that were tried; without a safe choice no safest and no ranges.
     The places that decide are simulated, in at most so many iterations, and the best choice is
-    judged with runs at its worst places."""
+    judged with runs at its worst places. room: by how many errors it is to keep each limit."""
     start = time.monotonic()
     for iteration in range(iterations + 1):
-        problem = _problem(model, base, choose, specs)
+        problem = replace(_problem(model, base, choose, specs), room=room)
         best, trials = problem.find_best()
         safest, safe_ranges = None, []
         if best.is_safe and np.isfinite(best.safety):
@@ -197,13 +208,15 @@ def _by_runs(
 
 
 def _zoom(
-    model: ModelEvaluator, base: Experiment, choose: Choose, specs: list, values: np.ndarray
-) -> tuple[ModelEvaluator, Any]:
-    """Search a part of the choices about `values`, with a design of its own and a surrogate of the
-    runs there, whose errors are not those of the whole; and go on about the best while it lies at
-    an end of the part. Returns the evaluator over the last part, and the best choice there."""
+    model: ModelEvaluator, base: Experiment, choose: Choose, specs: list, values: np.ndarray,
+    width: float,
+) -> tuple[ModelEvaluator, Any]:  # fmt: skip
+    """Search a part of the choices about `values`, `width` of the ranges to either side, with a
+    design of its own and a surrogate of the runs there, whose errors are not those of the whole;
+    and go on about the best while it lies at an end of the part. Returns the evaluator over the
+    last part, and the best choice there, which keeps limits by several errors."""
     ranges = np.array(list(choose.parameters.values()), dtype=float)
-    reach = _REACH * np.ptp(ranges, axis=1)
+    reach = width * np.ptp(ranges, axis=1)
     for _ in range(_MOST_PARTS):
         values = np.clip(values, *ranges.T)
         ends = np.clip(np.array([values - reach, values + reach]), *ranges.T).T
@@ -211,13 +224,27 @@ def _zoom(
         part = replace(choose, parameters={name: tuple(end) for name, end in names}, order=2)
         local = model.narrow(widen_intervals(base, part))
         local.add(design_points(local.experiment, part))
-        best, *_ = _search(local, base, part, specs, iterations=2)
+        best, *_ = _search(local, base, part, specs, 2, _ROOM)
         model.absorb(local)
         values = best.values
         is_end = np.abs(values[:, None] - ends) < 1e-3 * reach[:, None]
         if not (is_end & (ends != ranges)).any():
             break
     return local, best
+
+
+def _is_tight(
+    model: ModelEvaluator, best: Any, trials: Sequence[Any], specs: list[LimitSpec]
+) -> bool:
+    """Return whether the error of a limit decides where the best choice lies, as its margin hardly
+    exceeds that: runs there may have smaller errors, and leave better choices."""
+    surrogates, margins = model.surrogates(), np.array([trial.margins for trial in trials])
+    for i, spec in enumerate(specs):
+        error, column = surrogates[spec.quantity].error, margins[np.isfinite(margins[:, i]), i]
+        is_near = spec.kind != "happens" and 0 <= best.margins[i] < 2 * _ROOM * error
+        if is_near and len(column) and error > _FINE * np.ptp(column):
+            return True
+    return False
 
 
 def _spread(trials: Sequence[Any]) -> float:

@@ -592,12 +592,14 @@ class ChoiceProblem:
     """A choice of c parameter values that satisfies `limits` in all of the box that it leaves, with
     the best worst case of the first of `goals` there (robust optimisation). ranges: least and
     largest of each value (c pairs); box: function of the values (c) that returns the lower and
-    upper corner (k each, in [-1, 1]) of the box that they leave."""
+    upper corner (k each, in [-1, 1]) of the box that they leave; room: by how many errors the best
+    choice is to satisfy each limit."""
 
     goals: Sequence[Goal]
     limits: Sequence[Limit]
     ranges: Sequence[tuple[float, float]]
     box: BoxOf
+    room: float = 1.0
 
     def judge(self, values: np.ndarray) -> Choice:
         """Evaluate goals and limits in the worst case for chosen values (c)."""
@@ -667,8 +669,8 @@ class ChoiceProblem:
         return replace(choice, goals=goal_array, margins=margin_array, margin=least, safety=safety)
 
     def find_best(self) -> tuple[Choice, list[Choice]]:
-        """Choose the values with the best first goal that satisfy every limit by its error. If
-        there are none, choose those with the largest margins over their errors, or, if no choice
+        """Choose the values with the best first goal that satisfy every limit with room. If there
+        are none, choose those with the largest margins over their errors, or, if no choice
         satisfies all limits, those that violate them least. A grid of choices (from three values on
         a Sobol sequence) is searched, then finer ones about the best. Returns the choice, and all
         choices of the first grid."""
@@ -676,8 +678,9 @@ class ChoiceProblem:
         def rank(choice: Choice) -> tuple[int, float]:
             if not choice.is_allowed:
                 return 2, -choice.margin
-            value = self.goals[0].sign * choice.goals[0] if choice.is_safe else -choice.safety
-            return 0 if choice.is_safe else 1, value if np.isfinite(value) else np.inf
+            has_room = choice.safety >= self.room
+            value = self.goals[0].sign * choice.goals[0] if has_room else -choice.safety
+            return 0 if has_room else 1, value if np.isfinite(value) else np.inf
 
         trials = [self.judge(point) for point in self._grid()]
         return self._refine(trials, rank), trials

@@ -257,6 +257,40 @@ def test_better_choices_that_only_the_nearest_run_speaks_against_are_looked_at()
     np.testing.assert_array_equal(found, [[0.4, 0.4], [0.1, 0.1]])
 
 
+def chosen(
+    monkeypatch, raw, evaluate, earlier_runs=lambda model, base: (model.points, model.numbers)
+):
+    """The choice of a campaign whose runs are a function."""
+    wanted, found = campaign.check_config(raw), {}
+    plan = Plan(wanted.experiment, "", choice_answer.choose_step(wanted.experiment), ())
+    monkeypatch.setattr(ModelEvaluator, "evaluate", evaluate)
+    monkeypatch.setattr(choice_answer, "_earlier_runs", earlier_runs)
+    monkeypatch.setattr(choice_answer, "write_result", lambda path, text: found.update(text=text))
+    model = ModelEvaluator(plan, Folder("none"), wanted.jobs, lambda text: None)
+    choice_answer.answer(model, wanted.choose, wanted.requirements, wanted.verify)
+    return json.loads(found["text"])
+
+
+def test_an_error_that_decides_where_the_best_choice_lies_calls_for_runs_there(monkeypatch):
+    """Of t = 0.1 sqrt(mass)/k, at most 1.05, the largest with the least 1/t is at the border."""
+    raw = panel(quantities={"wide": QUANTITIES["wide"], "late": QUANTITIES["wide"]},
+                choose={"parameters": {"k": [0.05, 0.5]}, "minimise": "upper(wide)"},
+                intervals={"k": {"nominal": 0.15, "relative": 0.05},
+                           "mass": {"nominal": 1.0, "relative": 0.1}},
+                requirements={"low": {"late": {"at_most": 1.05}}})  # fmt: skip
+
+    def evaluate(model, plan, points):
+        box = model.experiment.box
+        values = box.from_unit(np.array(points))[:, [box.names.index(n) for n in ("k", "mass")]]
+        late = 0.1 * np.sqrt(values[:, 1]) / values[:, 0]
+        return np.column_stack([1 / late, late]), np.full((len(late), 2), np.nan)
+
+    choice = chosen(monkeypatch, raw, evaluate)
+    exact = 0.1 * np.sqrt(1.1) / 1.05 / 0.95
+    assert choice["safe"] and choice["parameters"][0]["value"] == pytest.approx(exact, rel=2e-3)
+    assert choice["goals"][0]["simulated"] == pytest.approx(10.5 * exact / np.sqrt(0.9), rel=2e-3)
+
+
 @pytest.mark.parametrize(("level", "peak"), [(0.5, 0.0), (0.2, 0.0), (0.5, 0.05)])
 def test_a_choice_is_judged_by_runs_about_it_not_by_an_error_from_elsewhere(
     level, peak, monkeypatch
@@ -269,9 +303,6 @@ def test_a_choice_is_judged_by_runs_about_it_not_by_an_error_from_elsewhere(
                 verify={"max_iterations": 2},
                 intervals={"k": {"nominal": 0.15, "relative": 0.01}, "mass": mass},
                 requirements={"low": {"wide": {"at_most": level}}})  # fmt: skip
-    wanted, found = campaign.check_config(raw), {}
-    time = choice_answer.choose_step(wanted.experiment)
-    plan = Plan(wanted.experiment, "", time, ())
 
     def evaluate(model, plan, points):
         box = model.experiment.box
@@ -285,14 +316,9 @@ def test_a_choice_is_judged_by_runs_about_it_not_by_an_error_from_elsewhere(
         """A run of the campaign itself, about k = 0.17, which has a peak that no fit shows."""
         box = model.experiment.box
         place = box.to_unit([[{"k": 0.17, "mass": 1.03}[name] for name in box.names]])
-        return place, evaluate(model, plan, place)[0]
+        return place, evaluate(model, None, place)[0]
 
-    monkeypatch.setattr(ModelEvaluator, "evaluate", evaluate)
-    monkeypatch.setattr(choice_answer, "_earlier_runs", earlier_runs)
-    monkeypatch.setattr(choice_answer, "write_result", lambda path, text: found.update(text=text))
-    model = ModelEvaluator(plan, Folder("none"), wanted.jobs, lambda text: None)
-    choice_answer.answer(model, wanted.choose, wanted.requirements, wanted.verify)
-    choice = json.loads(found["text"])
+    choice = chosen(monkeypatch, raw, evaluate, earlier_runs)
     (best,), (goal,) = choice["parameters"], choice["goals"]
     assert choice["kept"] == choice["safe"] == (level > 0.315)
     worst = 10 * (abs(best["value"] - 0.17) + 0.01 * best["value"]) ** 2 + 0.315
@@ -300,7 +326,7 @@ def test_a_choice_is_judged_by_runs_about_it_not_by_an_error_from_elsewhere(
         worst = max(worst, 0.309 + peak)
     assert goal["value"] == pytest.approx(worst, abs=1e-3)
     assert peak or (worst < 0.317 and goal["error"] < 0.01 and abs(best["value"] - 0.17) < 0.01)
-    assert choice["runs"] < 120
+    assert choice["runs"] < (160 if peak else 120)
     rows = choice["goals"] + choice["limits"]
     assert all(row["ran"] and row["simulated"] == pytest.approx(worst, abs=1e-6) for row in rows)
     assert all(goal["value"] >= row["simulated"] - 1e-6 for row in rows)

@@ -105,6 +105,23 @@ MISTAKES = [  # what is replaced, by what, and what the message holds
 ]  # fmt: skip
 
 
+QUANTITY = """\
+quantities:
+  t: {event: latches, of: catch}
+requirements:
+  in_time: {t: {at_most: """
+IDLE = (
+    "is negative as the latch stops the joint, so that no run can break it: did you mean at_least:"
+)
+SIGNED = [  # the latch pushes back: responses of its impulse and moment, and limits of these
+    ("latch_impulse: catch", "final", "at_most: 5 N m s", IDLE, "at_most: 5, but t", "-5?"),
+    ("latch_impact: catch, component: signed", "final", "at_most: 2", IDLE, "-2?"),
+    ("latch_moment: catch", "smallest", "at_most: 2", IDLE),
+    ("joint_moment: pivot, part: latch", "smallest", "at_most: 2", IDLE),
+    ("latch_impulse: catch", "final", "at_most: 5, at_least: -5", ""),
+    ("latch_impact: catch", "final", "at_most: 5", ""),
+    ("latch_moment: catch", "largest", "at_most: 2", ""),
+]
 UNLIKELY = [  # the same, of what is allowed and hardly meant
     ("40 mm", "40 m", "bar arm is 1.2 m long and 40 m wide: both in metres?"),
     ("40 mm, thickness: 2 mm", "40, thickness: 20", "mass of all of it: 1.184e+07 kg; usual"),
@@ -129,6 +146,9 @@ UNLIKELY = [  # the same, of what is allowed and hardly meant
      "never below 0, so that it asks only that it happens"),
     ("at_most: 3", "at_most: -1", "-1, but t is never below 0, so that none can meet it"),
     ("at_most: 3", "at_most: 30", "30 s, but runs end at 2 s, so that all where it happens"),
+    *((QUANTITY + "3}}", f"  j: {{{response}}}\nquantities:\n  t: {{{kind}: j}}\nrequirements:\n"
+       f"  in_time: {{t: {{{limits}}}}}", *words)
+      for response, kind, limits, *words in SIGNED),
     ("instants: 201", "instants: 12", "12 for 2 s are 0.1818 s apart", "take 201 or more"),
     ("order: 2}", "order: 2, samples: 500}", "design.samples: 500 is of sobol and screening alone"),
     ("{event: latches, of: catch}", "{value: psi, at: 15}", "t.at: 15 s, but runs last from 0"),
@@ -192,6 +212,7 @@ def test_what_is_hardly_meant_is_warned_of_with_its_number(
     assert "problem" not in said and len(warned) <= 3
     for word in words:
         assert word in "\n".join(warned)
+    assert (IDLE in said) == (IDLE in words)
 
 
 FOUR_BAR = """\

@@ -9,7 +9,8 @@ import numpy as np
 
 from deployable.campaign.config.own_runs import CONSTANT_TEXT, own_points
 from deployable.campaign.text.numbers import code
-from fpm.elements import kinds_of
+from fpm.elements import Latch, kinds_of
+from fpm.elements.openings.latch import SIDES
 from fpm.scenes.timestep import find_curve_step
 
 FEWEST = 20
@@ -68,7 +69,40 @@ def requirement_warnings(campaign: Any) -> list[str]:
                          f"mean {limit / 1000:g}, for {limit:g} mm?")  # fmt: skip
         elif quantity.unit == "rad":
             texts += _turn_texts(key, limit, experiment)
+        elif sign := _latch_sign(quantity, experiment.nominal_scene):
+            needed = ("at_least", "at_most")[sign > 0]
+            is_idle = end != needed and sign * limit < 0
+            is_sized = any(x[1] == needed and x[2] is quantity for x in limits)
+            if is_idle and not is_sized:
+                word = "positive" if sign > 0 else "negative"
+                texts.append(f"{key}: {limit:g}, but {quantity.name} is {word} as the latch stops "
+                             f"the joint, so that no run can break it: did you mean {needed}: "
+                             f"{-limit:g}?")  # fmt: skip
     return texts
+
+
+def _latch_sign(quantity: Any, scene: Any) -> int:
+    """Return 1 or -1 if a quantity is the signed impulse of a latch, or that end of its moment
+    which stops the joint, and thus positive or negative, else 0."""
+    response = quantity.response
+    is_moment = response is not None and (
+        response.kind == "latch_moment"
+        or (response.kind == "joint_moment" and response.subjects[1] == "latch")
+    )
+    is_impulse = response is not None and (
+        response.kind == "latch_impulse"
+        or (response.kind == "latch_impact" and response.component == "signed")
+    )
+    ends = {"smallest": -1, "largest": 1}
+    if not (is_impulse or (is_moment and quantity.kind in ends)):
+        return 0
+    signs = set()
+    for latch in Latch.find(scene):
+        hinge = scene.hinges[latch.hinge]
+        if response.subjects[0] in (latch.label(scene), hinge.name):
+            signs.add(-1 if (SIDES[latch.side] or latch.angle - hinge.opening) > 0 else 1)
+    sign = signs.pop() if len(signs) == 1 else 0
+    return sign if ends.get(quantity.kind, sign) == sign else 0
 
 
 def _interval_texts(experiment: Any) -> Iterator[str]:

@@ -72,7 +72,8 @@ def answer(
         is_better = (candidate.is_safe, candidate.safety) > (best.is_safe, best.safety)
         if is_tight and judge is not model:
             gain = choose.goals[0][0] * (best.goals[0] - candidate.goals[0])
-            is_better = candidate.is_safe and gain > 0
+            errors = [_error(part, choose, specs) for part in (local, judge)]
+            is_better = candidate.is_safe and gain > 0 and 2 * errors[0] < errors[1]
         if is_better or (judge is model and not is_tight):
             judge, best, safest = local, candidate, None
             error = _error(judge, choose, None if best.is_allowed else specs)

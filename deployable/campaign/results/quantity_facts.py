@@ -78,7 +78,7 @@ def _late_runs(index: int, quantity: Any, samples: RunSamples, time: np.ndarray)
     if response is None or not len(rows):
         return {}
     number = samples.experiment.response_list.index(response)
-    last = np.searchsorted(time, time[0] + 0.98 * (time[-1] - time[0]))
+    last = np.searchsorted(time[:-1], time[0] + 0.98 * (time[-1] - time[0]), "right") - 1
     gaps = np.array([abs(samples.curves(int(r), [number])[0, [last, -1]] - level) for r in rows])
     rates = (gaps[:, 0] - gaps[:, 1]) / (time[-1] - time[last])
     stuck = rows[rates * (time[-1] - time[0]) < gaps[:, 1]]

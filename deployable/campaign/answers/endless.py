@@ -85,14 +85,14 @@ def _enclose_peak(model: Any, q: int, place: np.ndarray, width: float) -> list:
         highest = height, place
         for axis in np.eye(len(place))[(np.ptp(model.points, axis=0) > 0) & (np.abs(place) < 1.0)]:
             ends = np.clip(place + _STEP * np.outer([-1.0, 1.0], axis), -1.0, 1.0)
-            if (found := _values(model, q, ends)) is None:
+            if (heights := _values(model, q, ends)) is None:
                 return []
-            if np.isnan(found).any():
-                return _enclose_border(model, q, place, ends[np.isnan(found).argmax()])
-            if height - found.max() > drop:
-                drop, points, values = height - found.max(), ends, found
-            if found.max() > highest[0]:
-                highest = found.max(), ends[found.argmax()]
+            if np.isnan(heights).any():
+                return _enclose_border(model, q, place, ends[np.isnan(heights).argmax()])
+            if height - heights.max() > drop:
+                drop, points, values = height - heights.max(), ends, heights
+            if heights.max() > highest[0]:
+                highest = heights.max(), ends[heights.argmax()]
         if highest[0] == height:
             break
         height, place = highest
@@ -101,14 +101,14 @@ def _enclose_peak(model: Any, q: int, place: np.ndarray, width: float) -> list:
     points, values = np.insert(points, 1, place, axis=0), np.insert(values, 1, height)
     while np.abs(points[2] - points[0]).max() > _FINEST:
         middles = (points[:-1] + points[1:]) / 2
-        if (found := _values(model, q, middles)) is None:
+        if (heights := _values(model, q, middles)) is None:
             return []
-        if np.isnan(found).any():
-            return _enclose_border(model, q, points[1], middles[np.isnan(found).argmax()])
-        growth = found.max() - values[1]
+        if np.isnan(heights).any():
+            return _enclose_border(model, q, points[1], middles[np.isnan(heights).argmax()])
+        growth = heights.max() - values[1]
         points, values = (
             np.insert(points, [1, 2], middles, axis=0),
-            np.insert(values, [1, 2], found),
+            np.insert(values, [1, 2], heights),
         )
         row = int(values[1:-1].argmax()) + 1
         points, values = points[row - 1 : row + 2], values[row - 1 : row + 2]

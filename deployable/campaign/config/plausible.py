@@ -70,14 +70,14 @@ def requirement_warnings(campaign: Any) -> list[str]:
         elif quantity.unit == "rad":
             texts += _turn_texts(key, limit, experiment)
         elif sign := _latch_sign(quantity, experiment.nominal_scene):
-            other = ("at_least", "at_most")[sign > 0]
-            is_idle = end != other and sign * limit < 0
-            is_sized = any(x[1] == other and x[2] is quantity for x in limits)
+            counterpart = ("at_least", "at_most")[sign > 0]
+            is_idle = end != counterpart and sign * limit < 0
+            is_sized = any(x[1] == counterpart and x[2] is quantity for x in limits)
             if is_idle and not is_sized:
                 word = "positive" if sign > 0 else "negative"
                 texts.append(f"{key}: {limit:g}, but {quantity.name} is {word} as the latch stops "
-                             f"the joint, so that no run can break it: did you mean {other}: "
-                             f"{-limit:g}?")  # fmt: skip
+                             f"the joint, so that no run can break it: did you mean "
+                             f"{counterpart}: {-limit:g}?")  # fmt: skip
     return texts
 
 

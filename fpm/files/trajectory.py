@@ -1,8 +1,7 @@
 """Trajectory files: runs of one batch in one netCDF file, complete or absent, and sealed.
 
 Arrays over time have the dimension `run` first. Energies and what else the kinds in a scene record
-have the names that the kinds give them; all others are fixed. Files of one run alone, as
-`Outcome.dataset` gives it, lack that dimension."""
+have the names that the kinds give them; all others are fixed."""
 
 import os
 from collections.abc import Callable, Iterable, Mapping
@@ -160,38 +159,31 @@ class Curves:
         return Impacts(rows, [name.removeprefix("contact ") for name in names])
 
 
-def contents(
-    outcomes, responses=(), attributes=None, parameters=None, runs=None, columns=None
-) -> Contents:
+def contents(outcomes, attributes=None, parameters=None, runs=None, columns=None) -> Contents:
     """Return the contents of a trajectory file of runs of one structure, by the CF conventions.
-    outcomes: of the runs, the first failure of which is raised; responses: whose values are added;
-    attributes: further global ones; parameters: (value of each run, unit) by name, coordinates
-    `parameter_<name>`; runs: their names; columns: (variable, label) of what is to be written, of
-    points as "position"; None: all."""
+    outcomes: of the runs, the first failure of which is raised; attributes: further global ones;
+    parameters: (value of each run, unit) by name, coordinates `parameter_<name>`; runs: their
+    names; columns: (variable, label) of what is to be written, of points as "position"; None:
+    all."""
     for outcome in outcomes:
         if outcome.failure is not None:
             raise outcome.failure
     names = map(str, range(len(outcomes))) if runs is None else runs
-    numbers = {key: (list(map(f, outcomes)), *rest) for key, (f, *rest) in _NUMBERS.items()}
-    numbers |= {
-        f"{_PARAMETER}{name}": (values, unit, name)
-        for name, (values, unit) in (parameters or {}).items()
-    }
-    dims = RUN, "time"
-    energies = {
-        variable: _variable(dims, [o.energies[name] for o in outcomes], "J", words, energy=name)
-        for name, variable, words in outcomes[0].energy_kinds
-    }
     variables = {
         **_names(RUN, names, "name of the run"),
         "time": _variable("time", outcomes[0].time, "s", "time", standard_name="time", axis="T"),
         **_points(outcomes, columns),
-        **energies,
-        **_record_variables(outcomes, columns),
-        **_events(outcomes),
-        **_responses(outcomes, responses),
-        **{name: _variable(RUN, *c) for name, c in numbers.items() if None not in c[0]},
     }
+    for name, variable, words in outcomes[0].energy_kinds:
+        values = [outcome.energies[name] for outcome in outcomes]
+        variables[variable] = _variable((RUN, "time"), values, "J", words, energy=name)
+    variables |= _record_variables(outcomes, columns) | _events(outcomes)
+    for name, (read_number, unit, words) in _NUMBERS.items():
+        values = [read_number(outcome) for outcome in outcomes]
+        if None not in values:
+            variables[name] = _variable(RUN, values, unit, words)
+    for name, (values, unit) in (parameters or {}).items():
+        variables[f"{_PARAMETER}{name}"] = _variable(RUN, values, unit, name)
     scene = outcomes[0].scene.name
     header = {
         "Conventions": CONVENTIONS,
@@ -199,7 +191,6 @@ def contents(
         "source": "finite particle method",
         "history": f"fpm.solver.simulate: {len(outcomes)} runs",
         "scene": scene,
-        "responses": " ".join(response.name for response in responses),
     }
     return Contents({**header, **(attributes or {})}, variables)
 
@@ -289,29 +280,12 @@ def _events(outcomes) -> dict[str, NetcdfVariable]:
     }
 
 
-def _responses(outcomes, responses) -> dict[str, NetcdfVariable]:
-    """Put all responses into one variable, so that a response may have any name."""
-    if not responses:
-        return {}
-    values = [[response.evaluate(outcome) for response in responses] for outcome in outcomes]
-    text = (response.long_name for response in responses)
-    words = "responses in units of response_units"
-    return {
-        **_names("response", (r.name for r in responses), "response"),
-        **_names("response", (r.unit for r in responses), "unit of the response", "response_units"),
-        **_names("response", text, "response in words", "response_long_name"),
-        "response_values": _variable((RUN, "response", "time"), values, "", words),
-    }
-
-
-def to_dataset(outcome, responses=(), attributes=None, parameters=None) -> "xarray.Dataset":
+def to_dataset(outcome) -> "xarray.Dataset":
     """Return one run's trajectory as an xarray.Dataset, without the dimension of runs. outcome:
-    whose failure is raised; responses: whose values are added; attributes: further global ones;
-    parameters: (value, unit) by name."""
+    whose failure is raised."""
     import xarray
 
-    columns = {name: ([value], unit) for name, (value, unit) in (parameters or {}).items()}
-    attributes, variables = contents([outcome], responses, attributes, columns)
+    attributes, variables = contents([outcome])
     data = xarray.Dataset(
         {name: v[:3] for name, v in variables.items() if not _is_coordinate(name, v)},
         coords={name: v[:3] for name, v in variables.items() if _is_coordinate(name, v)},
@@ -325,15 +299,9 @@ def _is_coordinate(name: str, variable: NetcdfVariable) -> bool:
     return variable.dims == (name,) or text or name.startswith(_PARAMETER)
 
 
-def write(trajectory: "Contents | xarray.Dataset", path: str | os.PathLike, **facts: str) -> None:
-    """Write trajectories (Contents or Dataset) to a whole, sealed netCDF file at `path`. facts: of
-    its seal, with `name`. ValueError if a value is not finite."""
-    if not isinstance(trajectory, Contents):
-        variables = {
-            str(key): NetcdfVariable(tuple(map(str, v.dims)), v.values, v.attrs)
-            for key, v in trajectory.variables.items()
-        }
-        trajectory = Contents(dict(trajectory.attrs), variables)
+def write(trajectory: Contents, path: str | os.PathLike, **facts: str) -> None:
+    """Write trajectories to a whole, sealed netCDF file at `path`. facts: of its seal, with `name`.
+    ValueError if a value is not finite."""
     for name, variable in trajectory.variables.items():
         if variable.values.dtype.kind == "f" and not np.isfinite(variable.values).all():
             raise ValueError(f"{name} has values that are not finite; nothing is written")
@@ -359,14 +327,12 @@ def read_curves(
 ) -> dict[str, Curves]:
     """Return curves and events of the runs in a trajectory file, by their names, as views of its
     arrays. name: in its seal, None: anything; runs: those to return, None: all. OSError, or
-    seals.DamagedError if it is not as it was written, or has no dimension of runs."""
+    seals.DamagedError if it is not as it was written."""
     import netCDF4
 
     seals.check(path, name)
     with netCDF4.Dataset(path) as file:
         file.set_auto_mask(False)
-        if RUN not in file.variables:
-            raise seals.DamagedError(path, "it is of one run alone")
         variables = {key: (v.dimensions, v[...], v.__dict__) for key, v in file.variables.items()}
     values = {key: array for key, (_, array, _) in variables.items()}
     names = values[RUN].tolist()

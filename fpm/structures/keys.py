@@ -116,8 +116,13 @@ class DirectionKey(Key):
             )
         if node.entries.keys() == {"from", "to"}:
             ends = ((end, node.entries[end]) for end in ("from", "to"))
-            start, stop = (place.child(end).reference(end_node, "points") for end, end_node in ends)
-            return lambda build: self._unit_vector(build.point(stop) - build.point(start), place)
+            names = [place.child(end).reference(end_node, "points") for end, end_node in ends]
+
+            def from_to(build: Builder) -> np.ndarray:
+                start, stop = (build.find("points", name).position for name in names)
+                return self._unit_vector(stop - start, place)
+
+            return from_to
         return place.refuse(node, self.allowed)
 
     def _unit_vector(self, vector: np.ndarray, place: Place) -> np.ndarray:

@@ -37,7 +37,7 @@ from fpm.structures.reading import (
     read,
     read_text,
 )
-from fpm.structures.sample import SampleGroup, build_sample, find_numbers
+from fpm.structures.sample import build_sample, find_numbers, share_parts
 from fpm.structures.statement import Statement
 from fpm.structures.statements import GROUPS
 
@@ -148,8 +148,8 @@ class _File:
         model = self._model(first, problems := Problems(self.source))
         if problems or any(self.parameters[name].parameter.is_whole for name in names):
             return lambda sample: None
-        group = SampleGroup(model, first, names)
-        return lambda sample: group.build(self._values(sample))
+        build = share_parts(model, first, names)
+        return lambda sample: build(self._values(sample))
 
     def find_turns(self, parameters: Mapping, name: str, lower: float, upper: float) -> list[float]:
         """Values between two of one parameter at which an expression that depends on it, or a part

@@ -43,9 +43,10 @@ class ParticlePoses(NamedTuple):
         frame = Rotation.from_rotvec(turn).as_matrix() @ self.frame
         return ParticlePoses(self.position + shift, frame)
 
-    def select(self, particles: np.ndarray) -> "ParticlePoses":
-        """Return the poses of some particles, in the order of their indices `particles` (k,)."""
-        return ParticlePoses(self.position[particles], self.frame[particles])
+    def ends(self, pairs: np.ndarray) -> "tuple[ParticlePoses, ParticlePoses]":
+        """Return the poses (k,) of the first and of the second particle of pairs (k, 2)."""
+        first, second = (ParticlePoses(self.position[i], self.frame[i]) for i in pairs.T)
+        return first, second
 
     def perturb(self, end: int, shifts: bool) -> "ParticlePoses":
         """Return 12 complex copies (12, n, ...) of these poses for `slopes`: shifted by i 1e-30
@@ -123,7 +124,7 @@ class Conditions(NamedTuple):
     def gaps(self, poses: ParticlePoses) -> np.ndarray:
         """Return the residuals (c,) of all conditions at poses of all particles: gaps of points
         (m), and cosines of angles that should be right; all 0 where the joints are closed."""
-        return self._residuals(*self._ends(poses))[:, 0]
+        return self._residuals(*poses.ends(self.pairs))[:, 0]
 
     def worst(self, gaps: np.ndarray) -> tuple[str, float, float]:
         """Return the name of the joint with the largest residual ("none" without joints), its gap
@@ -142,19 +143,15 @@ class Conditions(NamedTuple):
         """Return derivatives (c, 6n) of all conditions by motions (m, rad) of n particles, and
         second ones (6n, 6n) of their sum with factors `impulses` (c,). form: of matrices."""
         shifts = bool(np.any(self.axis_types == BODY_FIXED))
-        blocks = impulses[:, None, None] * slopes(self._rows, *self._ends(poses), shifts)
+        blocks = impulses[:, None, None] * slopes(self._rows, *poses.ends(self.pairs), shifts)
         curvature = pair_matrix(blocks, self.pairs, len(poses.position), form)
         return self.jacobian(poses, form), curvature
 
     def jacobian(self, poses: ParticlePoses, form: Form = sparse):
         """Return derivatives (c, 6n) of the conditions by motions (m, rad) of n particles."""
-        rows = self._rows(*self._ends(poses))
+        rows = self._rows(*poses.ends(self.pairs))
         shape = len(rows), 6 * len(poses.position)
         return form(rows, np.arange(len(rows))[:, None], dofs_of(self.pairs), shape)
-
-    def _ends(self, poses: ParticlePoses) -> tuple[ParticlePoses, ParticlePoses]:
-        """Poses (c,) of the first and of the second particle of each condition."""
-        return poses.select(self.pairs[:, 0]), poses.select(self.pairs[:, 1])
 
     def _parts(self, first: ParticlePoses, second: ParticlePoses):
         """Directions and arms of both particles, and offset of the points (..., c, 3), global."""

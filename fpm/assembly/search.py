@@ -7,7 +7,7 @@ position to position against a drag ε M (x - x₀), and ε falls while that suc
 become Newton's own. Where the end is unstable, both sides are followed downhill, and the lower end
 is taken if they differ."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from copy import copy
 from dataclasses import replace
 from typing import NamedTuple, NoReturn
@@ -179,14 +179,17 @@ class RestSearch(StaticEquations):
         step = self._find_descent(state, impulses)
         if step is None:
             return state, rounds + count
-        sides = [self._follow(state, impulses, direction) for direction in (step, -step)]
+        sides = [self._follow(state, direction) for direction in (step, -step)]
         sides = sorted((side for side in sides if side), key=lambda side: side[0])
-        if sides and not self._differ(sides):
-            self._check_strains(sides[0][1])
-            return sides[0][1], rounds + count + sum(side[2] for side in sides)
         requirement = "a stable position; this one snaps, and none was found downhill of it"
         if sides:
-            energy = self.balance.bars.energy(sides[0][1])
+            (low, lowest, _), (high, highest, _) = sides[0], sides[-1]
+            shift = np.abs(lowest.position - highest.position).max()
+            if not (high - low <= -SAME_TOL * low and shift > SAME_TOL * self._size):
+                self._check_strains(lowest)
+                return lowest, rounds + count + sum(side[2] for side in sides)
+            # Both sides end apart with the same loss of energy.
+            energy = self.balance.bars.energy(lowest)
             requirement = (
                 f"a stable position; this one snaps to either of two with {energy:.4g} J, as "
                 f"a straight bar pressed beyond its buckling load: {self._words.remedy} says to "
@@ -216,12 +219,6 @@ class RestSearch(StaticEquations):
         name, gap, tilt = self._conditions.worst(np.where(np.isfinite(gaps), gaps, np.inf))
         angle = tilts(self.scene, poses, self._hold).get(name, np.nan)
         return name, gap, angle if tilt > 0 and np.isfinite(angle) else tilt
-
-    def _differ(self, sides: Sequence[tuple]) -> bool:
-        """Whether both sides, lower first, end apart with the same loss of energy."""
-        (low, low_poses, _), (high, high_poses, _) = sides[0], sides[-1]
-        shift = np.abs(low_poses.position - high_poses.position).max()
-        return high - low <= -SAME_TOL * low and shift > SAME_TOL * self._size
 
     def _lacks(self, poses) -> np.ndarray:
         return -self._weight * self._conditions.gaps(poses)
@@ -376,21 +373,19 @@ class RestSearch(StaticEquations):
             return True
         return self.balance.change(first, last) + ease * motion @ (self._mass @ motion) / 2 <= 0
 
-    def _downhill(self, poses, step):
-        """Poses of less energy along a motion from unstable ones."""
-        for halving in range(HALVINGS):
-            shift = 0.5**halving * FARTHEST * self._scales * step
-            trial, _ = self._close(poses.displace(shift))
-            if self._gap(trial) <= GAP_TOL and self.balance.change(poses, trial) < 0:
-                return trial
-        return poses
-
-    def _follow(self, poses, impulses, step):
-        """Stable poses downhill to a motion's side, by how much energy, rounds; or None."""
+    def _follow(self, poses, step):
+        """From unstable poses, to the side of a motion: the change of energy to stable poses
+        downhill, these, and the number of rounds; None where there are none."""
         count, start, hinges, memory = 0, poses, self.hinges, self.balance.memory()
         try:
             for _ in range(FALLS):
-                poses, impulses, rounds = self._descend(self._downhill(poses, step), self._no_gaps)
+                for halving in range(HALVINGS):
+                    shift = 0.5**halving * FARTHEST * self._scales * step
+                    trial, _ = self._close(poses.displace(shift))
+                    if self._gap(trial) <= GAP_TOL and self.balance.change(poses, trial) < 0:
+                        poses = trial
+                        break
+                poses, impulses, rounds = self._descend(poses, self._no_gaps)
                 count += rounds
                 step = self._find_descent(poses, impulses)
                 if step is None:

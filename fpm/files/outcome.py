@@ -73,11 +73,6 @@ class Outcome(Curves):
         openings = [f"{n}: {x.min():.4g} to {x.max():.4g}" for n, x in self.openings.items()]
         return import_module("fpm.structures.describe").to_html(head, events, *openings)
 
-    @property
-    def tensions(self) -> dict[str, np.ndarray]:
-        """Tensions (t,), N, of all cables by name, at the recorded instants."""
-        return self.select_columns("cable_tension")
-
     def dataset(self) -> "xarray.Dataset":
         """Return the trajectory as an xarray.Dataset; raises the failure of a run that failed."""
         return to_dataset(self)

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from fpm.elements import KINDS, energies_of
-from fpm.elements.cross import columns as stack_columns
 from fpm.elements.kind import Eventful, Gate
 from fpm.files import seals
 
@@ -134,29 +133,30 @@ class Curves:
     def times(self, event: str, elements: Iterable[str]) -> np.ndarray:
         """Return the times (s), increasing, at which any of some elements had an event. event: its
         name, such as "latches"; elements: the elements' names."""
-        names = [e.events if e.name in elements else () for e in self.eventful]
-        numbers = [labels.index(event) if event in labels else -1 for labels in names]
+        numbers = [
+            e.events.index(event) if event in e.events and e.name in elements else -1
+            for e in self.eventful
+        ]
         rows = self.events[:, 2] == np.array(numbers)[self.events[:, 1].astype(int)]
         return np.sort(self.events[rows, 0])
 
     def impacts(self, pairs: Mapping[str, str] = IMPACTS) -> Impacts:
         """Return the impacts of the run, at whose times responses bend or jump. pairs: names of
         events, {what begins an impact: what ends it}; a latch's ends at once."""
-        events = [e.events for e in self.eventful]
-        starts = [next((e for e in labels if e in pairs), None) for labels in events]
-        has_impact = [event is not None for event in starts]
-        index, element = np.cumsum(has_impact) - 1, self.events[:, 1].astype(int)
-        blocks = []
-        for number_of, flag in ((lambda e: e, 1.0), (pairs.get, 0.0)):
-            event_pairs = zip(events, starts, strict=True)
-            numbers = [labels.index(number_of(e)) if e else -1 for labels, e in event_pairs]
-            selection = np.flatnonzero(self.events[:, 2] == np.array(numbers, int)[element])
-            blocks.append(stack_columns(self.events[selection, 0], index[element[selection]], flag))
-        rows = np.concatenate(blocks)
+        rows: list[tuple[float, int, float]] = []
+        names: list[str] = []
+        for index, element in enumerate(self.eventful):
+            start = next((event for event in element.events if event in pairs), None)
+            if start is None:
+                continue
+            events = self.events[self.events[:, 1] == index]
+            for event, flag in ((start, 1.0), (pairs[start], 0.0)):
+                times = events[events[:, 2] == element.events.index(event), 0]
+                rows += [(time, len(names), flag) for time in times.tolist()]
+            names.append(element.name.removeprefix("contact "))
         # In order of time; what begins and ends at once begins first.
-        rows = rows[np.lexsort((rows[:, 1], -rows[:, 2], rows[:, 0]))]
-        names = [e.name for e, hits in zip(self.eventful, has_impact, strict=True) if hits]
-        return Impacts(rows, [name.removeprefix("contact ") for name in names])
+        rows.sort(key=lambda row: (row[0], -row[2], row[1]))
+        return Impacts(np.array(rows, float).reshape(-1, 3), names)
 
 
 def contents(outcomes, attributes=None, parameters=None, runs=None, columns=None) -> Contents:
@@ -335,11 +335,9 @@ def read_curves(
         file.set_auto_mask(False)
         variables = {key: (v.dimensions, v[...], v.__dict__) for key, v in file.variables.items()}
     values = {key: array for key, (_, array, _) in variables.items()}
-    names = values[RUN].tolist()
-    selection = set(names if runs is None else runs)
-    events = np.stack([values[key] for key in EVENTS], axis=1)
     labels = [tuple(text.split(" ")) for text in values["event_names"]]
     elements = [*zip(values["event_element"], labels, values["event_joint"], strict=True)]
+    events = np.stack([values[key] for key in EVENTS], axis=1)
     energies = [(v[2]["energy"], v[1]) for v in variables.values() if "energy" in v[2]]
     columns = {
         (key, label): array[..., i]
@@ -347,23 +345,25 @@ def read_curves(
         if dims[:1] == (RUN,) and dims[1:-1] in (("time",), (LED_OVER,), (READING,))
         for i, label in enumerate(values[dims[-1]].tolist())
     }
-    return {
-        name: Curves(
+    selection = set(values[RUN].tolist() if runs is None else runs)
+    curves = {}
+    for row, run in enumerate(values[RUN].tolist()):
+        if run not in selection:
+            continue
+        points = {
+            point: (values["position"][row, :, i], values["velocity"][row, :, i])
+            for i, point in enumerate(values.get("point", ()))
+        }
+        gates = [None if gate[1] == _NO_SIDE else Gate(*gate)
+                 for gate in values["event_gate"][row].tolist()]  # fmt: skip
+        curves[run] = Curves(
             time=values["time"],
-            points={
-                point: (values["position"][row, :, i], values["velocity"][row, :, i])
-                for i, point in enumerate(values.get("point", ()))
-            },
+            points=points,
             energies=Energies((energy, array[row]) for energy, array in energies),
             columns={column: array[row] for column, array in columns.items()},
             events=events[values["event_run"] == row],
-            eventful=tuple(
-                Eventful(*facts, None if gate[1] == _NO_SIDE else Gate(*gate))
-                for facts, gate in zip(elements, values["event_gate"][row].tolist(), strict=True)
-            ),
+            eventful=tuple(Eventful(*e, g) for e, g in zip(elements, gates, strict=True)),
             dropped_events=int(values["events_dropped"][row]),
             step=float(values["time_step"][row]),
         )
-        for row, name in enumerate(names)
-        if name in selection
-    }  # fmt: skip
+    return curves

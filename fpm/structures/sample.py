@@ -110,9 +110,8 @@ def _scene(build: Builder, model: FileStatements) -> Scene:
 
 def build_entry(build: Builder, entry: Entry) -> None:
     """Add what an entry states to a sample, or note why it cannot be."""
-    count0 = len(build.scene.position)
-    is_counted = entry.statement.group in LATE_GROUPS
-    counts = {k: len(elements) for k, elements in build.scene.kinds.items()} if is_counted else {}
+    group, count0 = entry.statement.group, len(build.scene.position)
+    counts = {kind: len(elements) for kind, elements in build.scene.kinds.items()}
     try:
         values = entry.values(build)
         value = entry.statement.build(build, values)
@@ -124,11 +123,12 @@ def build_entry(build: Builder, entry: Entry) -> None:
     except (ArithmeticError, np.linalg.LinAlgError) as error:
         _note(build, entry.line, entry.key, SceneError("", str(error), "possible numbers"))
         return
-    build.scene.doubts += find_doubts(entry.statement.group, values, build.size)
-    kinds = build.scene.kinds.items() if is_counted else ()
-    new = [(k, i) for k, elements in kinds for i in range(counts.get(k, 0), len(elements))]
-    build.additions[entry.statement.group, entry.name] = new
-    if entry.statement.group == "actions":
+    build.scene.doubts += find_doubts(group, values, build.size)
+    new: list[tuple[type, int]] = []
+    for kind, elements in build.scene.kinds.items() if group in LATE_GROUPS else ():
+        new += [(kind, i) for i in range(counts.get(kind, 0), len(elements))]
+    build.additions[group, entry.name] = new
+    if group == "actions":
         build.scene.action_names |= dict.fromkeys(new, entry.name)
     if word := vars(values).get("class"):
         classes = build.scene.classes if word == "S" else {}  # hysteresis of a spring is hysteresis
@@ -136,7 +136,7 @@ def build_entry(build: Builder, entry: Entry) -> None:
     if isinstance(value, Body):
         value.particles = np.arange(count0, len(build.scene.position))
         build.store("parts", entry.name, value)
-    build.store(entry.statement.group, entry.name, value)
+    build.store(group, entry.name, value)
 
 
 def _assemble(build: Builder, model: FileStatements) -> None:
@@ -182,16 +182,16 @@ def finish(build: Builder, model: FileStatements) -> None:
             return
     _check_rates(build, model)
     parts = [entry for entry in model.entries if entry.statement.group in PARTS]
-    motions = (entry.uses for entry in model.entries if entry.statement.group == MOTIONS)
-    free = frozenset().union(*motions)
+    moving: set[str] = set()
+    for entry in model.entries:
+        if entry.statement.group == MOTIONS:
+            moving |= entry.uses
     for entry in parts if len(parts) > 1 else ():
         particles = build.find("parts", entry.name).particles
         is_held = build.joints_of.keys() & particles.tolist() or scene.fixed[particles].any()
-        if not (is_held or f"parts:{entry.name}" in free):
-            allowed = (
-                "parts with a joint, a cable, a strut, a support, a drive or initial_velocities"
-            )
-            text = f"{entry.key}: nothing joins it to anything; allowed: {allowed}"
+        if not (is_held or f"parts:{entry.name}" in moving):
+            text = f"{entry.key}: nothing joins it to anything; allowed: parts with a joint, a "
+            text += "cable, a strut, a support, a drive or initial_velocities"
             build.problems.say(entry.line, text)
 
 

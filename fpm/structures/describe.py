@@ -98,7 +98,7 @@ def _facts(structure: SceneType, scene: Scene, duration: float) -> Iterator[tupl
         text = f"joint {joint} was open by {parts}" if parts else "nothing was open"
         yield "assembled", f"{text}; {scene.assembly.energy:.4g} J of strain energy are left"
     if scene.equilibrium is not None:
-        _, imbalance, largest, energy, motion, _ = scene.equilibrium
+        _, imbalance, largest, energy, motion = scene.equilibrium
         text = f"{motion:.4g} m away at most; {energy:.4g} J of strain energy in bars"
         text += f"; {imbalance:.2g} of forces up to {largest:.4g} (N, N m) is left"
         yield "equilibrium", text

@@ -136,10 +136,12 @@ class Problems:
 
     def say(self, line: int, sentence: str) -> None:
         """Note a problem on a line (from 1; 0: none); sentence: what is wrong, first its key."""
-        text = re.sub(r"\d[\d.e+-]*", "", sentence) if sentence.startswith("repeat.") else sentence
-        cause = text.partition(": ")[2].partition(";")[0]
-        is_name = cause.startswith("there is no ") and "'" in cause  # wherever it is used
-        key = (0, cause) if is_name else (line, text)
+        text = sentence
+        if sentence.startswith("repeat."):  # those of its units differ in numbers only
+            text = re.sub(r"\d[\d.e+-]*", "", sentence)
+        key, cause = (line, text), text.partition(": ")[2].partition(";")[0]
+        if cause.startswith("there is no ") and "'" in cause:  # wherever the name is used
+            key = 0, cause
         self._problems.setdefault(key, Problem(line, sentence))
 
     def refuse(self, line: int, key: str, value: object, allowed: str, hint: str = "") -> None:

@@ -328,7 +328,7 @@ SIDES = {"both ways": (1.0, 1.0), "push": (1.0, 0.0), "pull": (0.0, 1.0)}
 def _add(build, args, lengths, forces, slopes=(0.0, 0.0)) -> None:
     """Add a Strut of lengths (m), forces (N) and slopes (N/m) to the scene."""
     points = [(part.particle(point.name), point.position) for part, point in args.between]
-    if points[0][0] == points[1][0] or not _length(build, args) > 0:
+    if points[0][0] == points[1][0] or not _length(args) > 0:
         places = " and ".join(f"{point.name} of {part.name}" for part, point in args.between)
         build.refuse("between", places, "points of two parts, or of two ends of a bar, apart")
     for particle, _ in points:
@@ -337,7 +337,7 @@ def _add(build, args, lengths, forces, slopes=(0.0, 0.0)) -> None:
     build.scene.add(Strut(args.name, beams, tuple(lengths), tuple(forces), slopes, args.damping))
 
 
-def _length(build, args) -> float:
+def _length(args) -> float:
     """Length (m) of a strut at the start."""
     (_, first), (_, second) = args.between
     return sum((first.position - second.position) ** 2) ** 0.5
@@ -369,7 +369,7 @@ def spring(build, args):
         build.refuse("preload", args.preload, f"one that a strut may have that acts in {args.acts}")
     rest = args.rest
     if rest is None:
-        rest = _length(build, args) + args.preload / args.stiffness
+        rest = _length(args) + args.preload / args.stiffness
         if not rest > 0:
             build.refuse("preload", args.preload, "one with a length without force above 0 m")
     sides = SIDES[args.acts]
@@ -411,7 +411,7 @@ def gas_spring(build, args):
     if not args.stroke < args.length:
         build.refuse("stroke", args.stroke, f"below the length, {args.length:g} m")
     table = gas_table(args.force, args.length, args.stroke, args.ratio, args.exponent)
-    least, start = args.length - args.stroke, _length(build, args)
+    least, start = args.length - args.stroke, _length(args)
     if not least * (1 - 1e-9) <= start <= args.length * (1 + 1e-9):
         text = f"at least {start:.4g} m, the distance of its points at the start, and at most its "
         build.refuse("length", args.length, f"{text}stroke, {args.stroke:.4g} m, more")
@@ -428,10 +428,10 @@ def gas_spring(build, args):
 )
 def constant_force(build, args):
     """The same force between two points at any distance."""
-    _add(build, args, [_length(build, args)], [args.force])
+    _add(build, args, [_length(args)], [args.force])
 
 
 @statement("struts", "damper", between=ENDS, damping=replace(DAMPING, default=NO_VALUE))
 def damper(build, args):
     """A damper between two points, which resists changes of their distance."""
-    _add(build, args, [_length(build, args)], [0.0])
+    _add(build, args, [_length(args)], [0.0])

@@ -184,6 +184,9 @@ def contents(outcomes, attributes=None, parameters=None, runs=None, columns=None
             variables[name] = _variable(RUN, values, unit, words)
     for name, (values, unit) in (parameters or {}).items():
         variables[f"{_PARAMETER}{name}"] = _variable(RUN, values, unit, name)
+    # By the last attribute xarray tells coordinates that are no dimensions.
+    is_text = {name: v.values.dtype.kind in "UO" for name, v in variables.items()}
+    coordinates = [n for n in variables if is_text[n] or n.startswith(_PARAMETER)]
     scene = outcomes[0].scene.name
     header = {
         "Conventions": CONVENTIONS,
@@ -191,8 +194,10 @@ def contents(outcomes, attributes=None, parameters=None, runs=None, columns=None
         "source": "finite particle method",
         "history": f"fpm.solver.simulate: {len(outcomes)} runs",
         "scene": scene,
+        **(attributes or {}),
+        "coordinates": " ".join(n for n in coordinates if variables[n].dims != (n,)),
     }
-    return Contents({**header, **(attributes or {})}, variables)
+    return Contents(header, variables)
 
 
 _NUMBERS: dict[str, tuple[Callable[[Any], Any], str, str]] = {
@@ -286,17 +291,9 @@ def to_dataset(outcome) -> "xarray.Dataset":
     import xarray
 
     attributes, variables = contents([outcome])
-    data = xarray.Dataset(
-        {name: v[:3] for name, v in variables.items() if not _is_coordinate(name, v)},
-        coords={name: v[:3] for name, v in variables.items() if _is_coordinate(name, v)},
-        attrs=attributes,
-    )
-    return data.isel(run=0).drop_vars([RUN, "event_run"])
-
-
-def _is_coordinate(name: str, variable: NetcdfVariable) -> bool:
-    text = variable.values.dtype.kind in "UO"
-    return variable.dims == (name,) or text or name.startswith(_PARAMETER)
+    coordinates = attributes.pop("coordinates").split(" ")
+    data = xarray.Dataset({name: v[:3] for name, v in variables.items()}, attrs=attributes)
+    return data.set_coords(coordinates).isel(run=0).drop_vars([RUN, "event_run"])
 
 
 def write(trajectory: Contents, path: str | os.PathLike, **facts: str) -> None:
@@ -305,9 +302,6 @@ def write(trajectory: Contents, path: str | os.PathLike, **facts: str) -> None:
     for name, variable in trajectory.variables.items():
         if variable.values.dtype.kind == "f" and not np.isfinite(variable.values).all():
             raise ValueError(f"{name} has values that are not finite; nothing is written")
-    # By this attribute xarray tells coordinates that are no dimensions.
-    names = [n for n, v in trajectory.variables.items() if _is_coordinate(n, v) and v.dims != (n,)]
-    trajectory.attributes["coordinates"] = " ".join(names)
     with seals.whole_file(path, {"name": "a trajectory", **facts}) as temporary:
         write_arrays(temporary, *trajectory)
 

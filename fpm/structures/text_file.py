@@ -160,13 +160,14 @@ class _File:
         model = self._model(self._values(parameters), Problems(self.source))
         names, numbers = model.names, model.names.dependents([name])
         order = [number for number in names.order if number in numbers]
-        pairs = ((b, b.full.values()) for b in names.bounds)
-        bounds = {(b.expression.text, *x): b for b, x in pairs if not numbers.isdisjoint(x)}
-        functions = [
-            (part, b.full, part in b.expression.borders)
-            for b in bounds.values()
-            for part in (b.expression.value, *b.expression.parts)
-        ]
+        bounds = {}  # each expression once that depends on the parameter
+        for bound in names.bounds:
+            if not numbers.isdisjoint(bound.full.values()):
+                bounds[bound.expression.text, *bound.full.values()] = bound
+        functions = []
+        for bound in bounds.values():
+            for part in (bound.expression.value, *bound.expression.parts):
+                functions.append((part, bound.full, part in bound.expression.borders))
         build = Builder(Problems(self.source))
         find_numbers(build, model, self._values(parameters), names.order)
 

@@ -220,7 +220,8 @@ class _Sweep:
 
     def __init__(self, scene, path: Path, first: float, last: float, spacing: float):
         self._scene, self._path, self._first, self._travel = scene, path, first, last - first
-        self._parts = [VirtualWork(scene, part) for part in components_of(scene)]
+        components = components_of(scene)
+        self._parts = [VirtualWork(scene, part) for part in components]
         steps = 1 + math.ceil(abs((first - path.opening) / spacing))
         for value in np.linspace(path.opening, first, steps):
             path.move_to(float(value))
@@ -228,7 +229,7 @@ class _Sweep:
                 part.compute(path.poses, path.tangent)
         path.check()
         self._elements = [*path.balance.sources, *(s for part in self._parts for s in part.sources)]
-        self.names = [part.name for part in components_of(scene)]
+        self.names = [part.name for part in components]
         self.names += [bearing_name(scene, hinge) for hinge in scene.bearings]
         self.works, self.largest = len(self.names), TINY
         frictions = {friction.hinge for friction in Friction.find(scene) if not friction.is_exact}

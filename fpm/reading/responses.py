@@ -32,16 +32,16 @@ def kind_of(key: str, definition: Any, kinds: Mapping[str, Any], addition: str =
     (name,) = names
     mandatory, optional = kinds[name].mandatory, kinds[name].optional
     unknown_keys = [entry for entry in definition if entry not in {name, *mandatory, *optional}]
-    if unknown_keys or not definition.keys() >= {*mandatory}:
-        allowed = " and ".join(filter(None, (name, ", ".join(mandatory))))
-        allowed += f", and optionally {', '.join(optional)}" if optional else ""
-        allowed += "" if mandatory or optional else " alone"
-        if {"unit", "units"} & {*unknown_keys}:
-            allowed += ", in the SI unit of its kind: leave the unit out"
-        if len(unknown_keys) == 1:  # whose line is told
-            key = f"{key}.{unknown_keys[0]}"
-        raise SceneError(key, ", ".join(map(str, unknown_keys)) or dict(definition), allowed)
-    return name
+    if not unknown_keys and definition.keys() >= {*mandatory}:
+        return name
+    allowed = f"{name} and {', '.join(mandatory)}" if mandatory else name
+    allowed += f", and optionally {', '.join(optional)}" if optional else ""
+    allowed += "" if mandatory or optional else " alone"
+    if {"unit", "units"} & {*unknown_keys}:
+        allowed += ", in the SI unit of its kind: leave the unit out"
+    if len(unknown_keys) == 1:  # whose line is told
+        key = f"{key}.{unknown_keys[0]}"
+    raise SceneError(key, ", ".join(map(str, unknown_keys)) or dict(definition), allowed)
 
 
 def check_choice(key: str, value: object, choices: Iterable[str], addition: str = "") -> str:

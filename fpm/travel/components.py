@@ -125,16 +125,15 @@ def components_of(scene) -> list[Component]:
     action_counts = Counter(name for (k, _), name in scene.action_names.items() if k in kinds)
     bearings = {bearing_name(scene, hinge) for hinge in scene.bearings}
     for kind in kinds:
-        code = kind.resists_as
         pairs = zip(kind.names(scene), kind.sweep_elements(scene), strict=True)
         for i, (name, element) in enumerate(pairs):
             if (action := scene.action_names.get((kind, i))) and name not in bearings:
                 name = f"{action} ({name})" if action_counts[action] > 1 else action
             count[name] += 1
             name = f"{name} #{count[name]}" if count[name] > 1 else name
-            is_class = scene.classes.get((kind, i), code)
-            cases = _load_cases_of(scene, element)
-            components.append(Component(name, cases, is_class, code in DRAGS))
+            class_ = scene.classes.get((kind, i), kind.resists_as)
+            cases, drags = _load_cases_of(scene, element), kind.resists_as in DRAGS
+            components.append(Component(name, cases, class_, drags))
     for cable, smooth in zip(scene.cables, Cable.sweep_elements(scene), strict=True):
         if cable.has_friction:
             components.append(Component(_of_cable(scene, cable)[1], (cable,), "FR", True, smooth))

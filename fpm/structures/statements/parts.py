@@ -174,10 +174,10 @@ def _lay_stretches(scene, args, points, directions, normal) -> list[int]:
     inner = np.zeros(0, int)
     steps = np.linspace(0.0, 1.0, args.elements + 1)[1:-1, None]
     for k, point in enumerate(points):
-        # The end of the stretch before, and the start of the one after.
-        ends = [(*lumps[j], axes[j], i) for j, i in ((k - 1, -1), (k, 0)) if 0 <= j < len(axes)]
-        inertia, frame = _sum_inertias([(inertias[i], basis) for _, inertias, basis, i in ends])
-        mass = sum(masses[i] for masses, _, _, i in ends)
+        # Here meet the last lump of the stretch before and the first of the one after.
+        ends = [(k - 1, -1)] * (k > 0) + [(k, 0)] * (k < len(axes))
+        inertia, frame = _sum_inertias([(lumps[j][1][i], axes[j]) for j, i in ends])
+        mass = sum(lumps[j][0][i] for j, i in ends)
         node = scene.add_particles(point, mass, inertia, frame)
         if k:
             line = np.array([nodes[-1], *inner, node[0]])

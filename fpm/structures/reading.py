@@ -251,12 +251,12 @@ def _why_not_yaml(error: Exception, text: str) -> tuple[int, str]:
 
 def _reason(error: yaml.MarkedYAMLError) -> tuple[yaml.Mark | None, str]:
     """Describe where and why a text is not YAML, from PyYAML's error."""
-    begins, ends = error.context_mark, error.problem_mark
+    start, end = error.context_mark, error.problem_mark
     problem = ", ".join(part for part in (error.context, error.problem) if part)
-    for pattern, is_at_begin, words in _NOT_YAML:
+    for pattern, is_at_start, words in _NOT_YAML:
         if re.search(pattern, problem):
-            return begins if begins and is_at_begin else ends, words
-    return ends or begins, problem
+            return start if start and is_at_start else end, words
+    return end or start, problem
 
 
 class _Types(yaml.constructor.SafeConstructor, yaml.resolver.Resolver):

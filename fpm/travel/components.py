@@ -96,16 +96,16 @@ class VirtualWork:
         self.sources = [ElementForces(scene, [element]) for element in elements]
 
     def compute(
-        self, poses: ParticlePoses, tangent: np.ndarray, before: Sequence[ParticlePoses] = ()
+        self, poses: ParticlePoses, tangent: np.ndarray, way: Sequence[ParticlePoses] = ()
     ) -> tuple[float, np.ndarray | float]:
         """Return the virtual work (N m, on slides N) at `poses` per unit of the opening, above 0
         where it drives; of several elements the least, with a baseline the difference. With it, if
         the component only resists, as friction does, the forces and moments (6n,), N and N m, on
-        all n particles; else 0. tangent (6n,): motion by that unit; before: poses along which
-        what only resists is moved first, to bring it to steady slip."""
-        for poses_before in before if self._part.drags else ():
+        all n particles; else 0. tangent (6n,): motion by that unit; way: poses along which what
+        only resists is moved there first, to bring it to steady slip."""
+        for place in way if self._part.drags else ():
             for source in self.sources:
-                source.forces(poses_before)
+                source.forces(place)
         forces = np.array([source.forces(poses) for source in self.sources])
         works = forces @ tangent
         if self._part.baseline is None:

@@ -96,14 +96,14 @@ class VirtualWork:
         self.sources = [ElementForces(scene, [element]) for element in elements]
 
     def compute(
-        self, poses: ParticlePoses, tangent: np.ndarray, way: Sequence[ParticlePoses] = ()
+        self, poses: ParticlePoses, tangent: np.ndarray, path: Sequence[ParticlePoses] = ()
     ) -> tuple[float, np.ndarray | float]:
         """Return the virtual work (N m, on slides N) at `poses` per unit of the opening, above 0
         where it drives; of several elements the least, with a baseline the difference. With it, if
         the component only resists, as friction does, the forces and moments (6n,), N and N m, on
-        all n particles; else 0. tangent (6n,): motion by that unit; way: poses along which what
+        all n particles; else 0. tangent (6n,): motion by that unit; path: poses along which what
         only resists is moved there first, to bring it to steady slip."""
-        for place in way if self._part.drags else ():
+        for place in path if self._part.drags else ():
             for source in self.sources:
                 source.forces(place)
         forces = np.array([source.forces(poses) for source in self.sources])

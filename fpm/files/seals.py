@@ -79,6 +79,7 @@ def read_seal(path: Path) -> tuple[dict[str, str], int]:
     with open(path, "rb") as file:
         file.seek(max(0, size - _LONGEST))
         end = file.read()
+    end = end[max(0, end.rfind(b"\n", 0, -1)) :]
     facts, rest = _split(path, end)
     return facts, size - len(end) + len(rest)
 

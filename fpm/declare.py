@@ -189,8 +189,10 @@ def _text(limit: float) -> str:
 
 
 def _field(kind: type[Any], default: Any, **keys: Any) -> Any:
-    left_out = {MISSING: NO_VALUE, inf: None, -1: None}.get(default, default)
-    return field(default=default, metadata={_KEY: kind(left_out, **keys)})
+    """Declare a dataclass field with a default of its own; in files, infinity and the index -1 are
+    what nobody writes: the key is left out."""
+    in_files = {MISSING: NO_VALUE, inf: None, -1: None}.get(default, default)
+    return field(default=default, metadata={_KEY: kind(in_files, **keys)})
 
 
 def number(

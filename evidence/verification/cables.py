@@ -188,7 +188,7 @@ def capstan(bench: Bench) -> None:
         is_steady = outcome.time > 2.2
         exact = mass * (G + sign * damping * speed) * np.exp(sign * mu * np.pi)
         name = f"{'lifted' if sign > 0 else 'lowered'}, μ = {mu:g}"
-        pull = outcome.tensions["rope"][is_steady].mean()
+        pull = outcome.select_columns("cable_tension")["rope"][is_steady].mean()
         bench.check(f"{name}: pull of the winch (N)", pull, exact, 1e-3, "T exp(± μ π)")
         reel_work = outcome.energies["reel"]
         worst = np.abs(outcome.energies["balance"]).max() / np.abs(reel_work).max()
@@ -232,7 +232,9 @@ def stick(bench: Bench) -> None:
             instants = zip(active, outcome.time, strict=True)
             exact = [phase.tensions(rope, t)[0] for phase, t in instants]
             name = f"{points} eyelets, step {1e3 * step:g} ms"
-            worst = np.abs(outcome.tensions["rope"] - exact).max() / max(exact)
+            worst = np.abs(outcome.select_columns("cable_tension")["rope"] - exact).max() / max(
+                exact
+            )
             source = f"{len(motion)} phases from event to event"
             text = f"{name}: tension at its end"
             bench.check_small(text, worst, tolerance, source, "the largest")

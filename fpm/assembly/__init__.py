@@ -23,14 +23,13 @@ from fpm.elements import Drag, Journal, Load, Motor, Release, Stop, TorsionSprin
 
 class Assembly(NamedTuple):
     """Result of `assemble`. energy: strain energy after it (J); joint, gap, tilt: of the joint most
-    open before it, name, distance of points (m) and largest angle (rad); rounds: of Newton steps;
-    openings: joint coordinates of scene.hinges before (rad; m of slides)."""
+    open before it, name, distance of points (m) and largest angle (rad); openings: joint
+    coordinates of scene.hinges before (rad; m of slides)."""
 
     energy: float
     joint: str
     gap: float
     tilt: float
-    rounds: int
     openings: tuple[float, ...]
 
 
@@ -52,7 +51,7 @@ def assemble(scene, hold: Sequence[str] = ()) -> None:
     balance, targets = BalanceForces(scene, []), {name: openings.get(name, 0.0) for name in hold}
     search = RestSearch(scene, targets, balance, words)
     with np.errstate(over="ignore", invalid="ignore"):  # what grows beyond all numbers is refused
-        poses, rounds = search.relax()
+        poses = search.relax()
     flips = {name: angle for name, angle in tilts(scene, poses, hold).items() if angle > np.pi / 2}
     if flips:  # the residuals, cosines of right angles, are 0 there too
         allowed = "directions of both parts that agree; reverse that of one part"
@@ -61,22 +60,20 @@ def assemble(scene, hold: Sequence[str] = ()) -> None:
         scene.unstrained, scene.unstrained_position = scene.frame, scene.position
     scene.position, scene.frame = poses.position, poses.frame
     scene.hinges = search.reopen(poses)
-    scene.assembly = Assembly(
-        balance.bars.energy(poses), *search.open_before, rounds, tuple(openings.values())
-    )
+    energy = balance.bars.energy(poses)
+    scene.assembly = Assembly(energy, *search.open_before, tuple(openings.values()))
 
 
 class Equilibrium(NamedTuple):
     """Result of `balance`. openings: joint coordinates of scene.hinges before (rad; m of slides);
     imbalance: largest force (N) or moment (N m) left on a particle; largest: that elements of one
-    type give; energy: of bars (J); motion: farthest of a particle (m); positions: on the way."""
+    type give; energy: of bars (J); motion: farthest of a particle (m)."""
 
     openings: tuple[float, ...]
     imbalance: float
     largest: float
     energy: float
     motion: float
-    positions: int
 
 
 def balance(scene, hold: Mapping[str, float]) -> None:
@@ -94,10 +91,10 @@ def balance(scene, hold: Mapping[str, float]) -> None:
     )
     search = RestSearch(scene, hold, _forces_at_start(scene), words)
     with np.errstate(over="ignore", invalid="ignore"):
-        poses, positions = search.relax()
+        poses = search.relax()
     openings = tuple(hinge.opening for hinge in scene.hinges)
     motion = float(np.linalg.norm(poses.position - scene.position, axis=1).max(initial=0.0))
-    scene.equilibrium = Equilibrium(openings, *search.measure(poses), motion, positions)
+    scene.equilibrium = Equilibrium(openings, *search.measure(poses), motion)
     if scene.unstrained is None:
         scene.unstrained, scene.unstrained_position = scene.frame, scene.position
     scene.position, scene.frame = poses.position, poses.frame

@@ -43,9 +43,10 @@ class ParticlePoses(NamedTuple):
         frame = Rotation.from_rotvec(turn).as_matrix() @ self.frame
         return ParticlePoses(self.position + shift, frame)
 
-    def select(self, particles: np.ndarray) -> "ParticlePoses":
-        """Return the poses of some particles, in the order of their indices `particles` (k,)."""
-        return ParticlePoses(self.position[particles], self.frame[particles])
+    def ends(self, pairs: np.ndarray) -> "tuple[ParticlePoses, ParticlePoses]":
+        """Return the poses (k,) of the first and of the second particle of pairs (k, 2)."""
+        first, second = (ParticlePoses(self.position[i], self.frame[i]) for i in pairs.T)
+        return first, second
 
     def perturb(self, end: int, shifts: bool) -> "ParticlePoses":
         """Return 12 complex copies (12, n, ...) of these poses for `slopes`: shifted by i 1e-30
@@ -92,6 +93,8 @@ def dependence(rows: np.ndarray) -> tuple[int, np.ndarray]:
 
 GLOBAL, BODY_FIXED, NORMAL = 0, 1, 2
 
+ZERO, NO_ARMS = np.zeros(3), np.zeros((2, 3))
+
 
 class Conditions(NamedTuple):
     """Conditions that close all joints of a scene, c of them, each on two particles: a gap of
@@ -123,7 +126,7 @@ class Conditions(NamedTuple):
     def gaps(self, poses: ParticlePoses) -> np.ndarray:
         """Return the residuals (c,) of all conditions at poses of all particles: gaps of points
         (m), and cosines of angles that should be right; all 0 where the joints are closed."""
-        return self._residuals(*self._ends(poses))[:, 0]
+        return self._residuals(*poses.ends(self.pairs))[:, 0]
 
     def worst(self, gaps: np.ndarray) -> tuple[str, float, float]:
         """Return the name of the joint with the largest residual ("none" without joints), its gap
@@ -142,19 +145,15 @@ class Conditions(NamedTuple):
         """Return derivatives (c, 6n) of all conditions by motions (m, rad) of n particles, and
         second ones (6n, 6n) of their sum with factors `impulses` (c,). form: of matrices."""
         shifts = bool(np.any(self.axis_types == BODY_FIXED))
-        blocks = impulses[:, None, None] * slopes(self._rows, *self._ends(poses), shifts)
+        blocks = impulses[:, None, None] * slopes(self._rows, *poses.ends(self.pairs), shifts)
         curvature = pair_matrix(blocks, self.pairs, len(poses.position), form)
         return self.jacobian(poses, form), curvature
 
     def jacobian(self, poses: ParticlePoses, form: Form = sparse):
         """Return derivatives (c, 6n) of the conditions by motions (m, rad) of n particles."""
-        rows = self._rows(*self._ends(poses))
+        rows = self._rows(*poses.ends(self.pairs))
         shape = len(rows), 6 * len(poses.position)
         return form(rows, np.arange(len(rows))[:, None], dofs_of(self.pairs), shape)
-
-    def _ends(self, poses: ParticlePoses) -> tuple[ParticlePoses, ParticlePoses]:
-        """Poses (c,) of the first and of the second particle of each condition."""
-        return poses.select(self.pairs[:, 0]), poses.select(self.pairs[:, 1])
 
     def _parts(self, first: ParticlePoses, second: ParticlePoses):
         """Directions and arms of both particles, and offset of the points (..., c, 3), global."""
@@ -207,30 +206,33 @@ class Conditions(NamedTuple):
 def conditions_of(scene, hold: Sequence[str] = ()) -> Conditions:
     """Return the conditions that close all joints of a scene. hold: names of hinges whose joint
     coordinate stays as stated, one condition each, at the end. SceneError for other names."""
-    rows: list[tuple] = []
-    for joint in _joints_of(scene):
-        rows += _rows_of(scene, joint)
+    rows = [row for joint in _joints_of(scene) for row in _rows_of(scene, joint)]
     hinges = {hinge.name: hinge for hinge in scene.hinges}
     for name in hold:
         if name not in hinges:
             raise SceneError("hold", name, f"names of hinges: {', '.join(hinges)}")
-        hinge, no_arms = hinges[name], np.zeros((2, 3))
+        hinge = hinges[name]
         if hinge.slides:
-            arms, zero = np.array([beam.arm for beam in hinge.beams]), np.zeros(3)
-            rows.append((name, hinge.particles, BODY_FIXED, hinge.axes[0], zero, arms, 1.0, zero))
-            continue
-        normal = cross(hinge.axes[0], _opened_reference(hinge))
-        rows.append(
-            (name, hinge.particles, NORMAL, normal, hinge.references[1], no_arms, 1.0, no_arms[0])
-        )
-    rows = [(*row, np.zeros(3), 0.0)[:10] for row in rows]
+            arms = np.array([beam.arm for beam in hinge.beams])
+            rows.append(_row(name, hinge.particles, BODY_FIXED, hinge.axes[0], arms=arms))
+        else:
+            normal = cross(hinge.axes[0], _opened_reference(hinge))
+            rows.append(_row(name, hinge.particles, NORMAL, normal, hinge.references[1]))
     columns = list(zip(*rows, strict=True)) or [()] * 10
-    shapes = [None, (-1, 2), (-1,), (-1, 3), (-1, 3), (-1, 2, 3), (-1,), (-1, 3), (-1, 3), (-1,)]
-    kinds = [None, int, int, *[float] * 7]
-    arrays = [
-        np.array(c, k).reshape(s) for c, k, s in zip(columns, kinds, shapes, strict=True) if k
+    shapes = [(-1, 2), (-1,), (-1, 3), (-1, 3), (-1, 2, 3), (-1,), (-1, 3), (-1, 3), (-1,)]
+    kinds = [int, int, *[float] * 7]
+    arrays: list[np.ndarray] = [
+        np.array(c, k).reshape(s) for c, k, s in zip(columns[1:], kinds, shapes, strict=True)
     ]
     return Conditions(list(columns[0]), *arrays)
+
+
+def _row(
+    name, pair, axis_type, axis1, axis2=ZERO, arms=NO_ARMS, is_on_second=1.0, place=ZERO,
+    reference=ZERO, lead=0.0,
+) -> tuple:  # fmt: skip
+    """Return one condition: the fields of Conditions, with those left out that do nothing."""
+    return name, pair, axis_type, axis1, axis2, arms, is_on_second, place, reference, lead
 
 
 def tilts(scene, poses: ParticlePoses, hold: Sequence[str] = ()) -> dict[str, float]:
@@ -269,30 +271,25 @@ def _joints_of(scene) -> list[Joint]:
 
 def _rows_of(scene, joint: Joint) -> list[tuple]:
     """Return the conditions of a joint, as rows of Conditions."""
-    zero = np.zeros(3)
-    arms = np.array([beam.arm for beam in joint.beams])
+    name, pair, arms = joint.name, joint.particles, np.array([beam.arm for beam in joint.beams])
     if joint.type == "held":
-        particle = joint.beams[0].particle
-        place = scene.position[particle] + scene.frame[particle] @ arms[0]
-        pair: tuple[int, ...] = (particle, particle)
-        is_on_second = 0.0
-        if len(joint.beams) == 2:
-            pair, is_on_second, place = joint.particles, 1.0, zero
-        arms = np.array([arms[0], arms[-1] * is_on_second])
         axes = [np.eye(3)[AXES.index(axis)] for axis in joint.support_axes]
-        return [(joint.name, pair, GLOBAL, axis, zero, arms, is_on_second, place) for axis in axes]
-    axis, reference = joint.axes[0], joint.references[0]
-    third, axis2, reference2 = cross(axis, reference), joint.axes[1], joint.references[1]
-    pair, type_bits, ends = joint.particles, TYPES[joint.type].bits, (arms, 1.0, zero)
+        if len(joint.beams) == 2:
+            return [_row(name, pair, GLOBAL, axis, arms=arms) for axis in axes]
+        place = scene.position[pair[0]] + scene.frame[pair[0]] @ arms[0]
+        ends = (*pair, *pair), np.array([arms[0], ZERO])
+        return [_row(name, ends[0], GLOBAL, axis, ZERO, ends[1], 0.0, place) for axis in axes]
+    (axis, axis2), (reference, reference2) = joint.axes, joint.references
+    third, type_bits = cross(axis, reference), TYPES[joint.type].bits
     normals = (bits.ACROSS_X, reference), (bits.ACROSS_Y, third), (bits.ACROSS_AXIS, axis)
     points = [(BODY_FIXED, e) for bit, e in normals if type_bits & bit]
     points += [(GLOBAL, e) for e in np.eye(3) if type_bits & bits.POINT]
     tilts = [(axis, axis2)] if type_bits & bits.CROSS else []
     tilts += [(reference, axis2), (third, axis2)] if type_bits & bits.PARALLEL else []
     tilts += [(third, reference2)] if type_bits & bits.TWIST else []
-    thread = (joint.name, pair, BODY_FIXED, axis, reference2, *ends, reference, joint.lead)
-    return [
-        *((joint.name, pair, axis_type, e, zero, *ends) for axis_type, e in points),
-        *((joint.name, pair, NORMAL, u, w, np.zeros((2, 3)), 1.0, zero) for u, w in tilts),
-        *([thread] if type_bits & bits.THREAD else []),
-    ]
+    rows = [_row(name, pair, axis_type, e, arms=arms) for axis_type, e in points]
+    rows += [_row(name, pair, NORMAL, u, w) for u, w in tilts]
+    if type_bits & bits.THREAD:
+        thread = {"reference": reference, "lead": joint.lead}
+        rows.append(_row(name, pair, BODY_FIXED, axis, reference2, arms, **thread))
+    return rows

@@ -43,7 +43,7 @@ class Elastic(NamedTuple):
         """Return the strain energy (J) of all elements together, at poses of all particles."""
         if not len(self.nodes):
             return 0.0
-        shape = self.shape(*self._ends(poses))
+        shape = self.shape(*poses.ends(self.nodes))
         rest, axial, *bending, torsion = self.stiffness.T
         turns = shape.turns
         total = 0.5 * axial * (shape.length - rest) ** 2 + 0.5 * torsion * shape.twist**2
@@ -55,7 +55,7 @@ class Elastic(NamedTuple):
     def largest(self, poses: ParticlePoses) -> tuple[float, float]:
         """Return two largest values over all elements at poses of all particles: of a bend (sine of
         an end's angle) or twist (sine), and of the strain at a surface."""
-        shape, rest = self.shape(*self._ends(poses)), self.stiffness[:, :1]
+        shape, rest = self.shape(*poses.ends(self.nodes)), self.stiffness[:, :1]
         curvatures = np.abs(shape.turns[:, 2:] - shape.turns[:, :2]) / rest
         strain = np.abs(shape.length / rest[:, 0] - 1) + (curvatures * self.half).sum(axis=1)
         bend = np.abs(np.column_stack([shape.sines, shape.twist]))
@@ -65,7 +65,7 @@ class Elastic(NamedTuple):
         """Return the gradient (6n,), N and N m, and the Hessian (6n, 6n) of the strain energy, by
         motions (m, rad) of all n particles at poses. form: of the Hessian (`sparse`, `full`);
         convex: True: without negative eigenvalues of any element (projected Newton method)."""
-        count, ends = len(poses.position), self._ends(poses)
+        count, ends = len(poses.position), poses.ends(self.nodes)
         gradient, blocks = np.zeros(6 * count), np.zeros((0, 12, 12))
         if len(self.nodes):
             np.add.at(gradient, dofs_of(self.nodes), self.gradient(*ends))
@@ -74,9 +74,6 @@ class Elastic(NamedTuple):
             values, vectors = np.linalg.eigh((blocks + blocks.swapaxes(1, 2)) / 2)
             blocks = vectors * np.maximum(values, 0.0)[:, None] @ vectors.swapaxes(1, 2)
         return gradient, pair_matrix(blocks, self.nodes, count, form)
-
-    def _ends(self, poses: ParticlePoses) -> tuple[ParticlePoses, ParticlePoses]:
-        return poses.select(self.nodes[:, 0]), poses.select(self.nodes[:, 1])
 
     def shape(self, first: ParticlePoses, second: ParticlePoses) -> Shape:
         """Return the shape of the elements between poses (..., e) of their ends; complex where

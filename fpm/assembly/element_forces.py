@@ -79,7 +79,7 @@ class ElementForces:
     def forces(self, poses: ParticlePoses) -> np.ndarray:
         """Move the elements from their last poses to `poses` (positions and frames of all
         particles); returns force (N), then moment (N m), global, on each particle in turn (6n,)."""
-        self._put(_fields_of(poses))
+        self._put(poses)
         return self._act_there()[:, 0]
 
     def copy_history(self) -> list[np.ndarray]:
@@ -95,12 +95,12 @@ class ElementForces:
         """Return forces (6n,) at `poses` and their stiffness (6n, 6n), minus the derivatives by all
         motions (m, rad); the elements' memory is kept. form: of the stiffness (`sparse`,
         `full`)."""
-        history, fields = self.copy_history(), _fields_of(poses)
-        self._put(fields)
+        history = self.copy_history()
+        self._put(poses)
         forces, columns = self._act_there()[:, 0].copy(), np.arange(len(self.stiff))
         values = np.zeros((len(forces), len(columns)))
         for share in NUDGE_SHARES:
-            lower, upper = self._nudge(poses, fields, columns, share)
+            lower, upper = self._nudge(poses, columns, share)
             widths = share * self._widths[columns]
             values[:, columns] = (lower - upper) / widths
             # Where the slopes on both sides differ, a bend as of a stop lies between them.
@@ -115,24 +115,26 @@ class ElementForces:
         entries = values[rows, columns], rows, self.stiff[columns]
         return forces, form(*entries, (len(forces), len(forces)))
 
-    def _nudge(self, poses, fields, columns, share: float):
+    def _nudge(self, poses, columns, share: float):
         """Forces (6n, c) at `poses` less, then plus, a share of the nudge of each of c columns."""
         shifts, (turns, products), state = self._shifts.copy(), self._turns, self.world.state
         frames = poses.frame[self._particles[turns]]
         shifts[turns, 3:] = (NUDGE * (products @ frames))[:, :, 1:].swapaxes(1, 2).reshape(-1, 6)
         shifts = share * np.concatenate([-shifts[columns], shifts[columns]])
         particles, lanes = np.tile(self._particles[columns], 2), state.shape[2]
-        forces = np.empty((6 * len(fields), len(shifts)))
+        forces = np.empty((6 * len(poses.position), len(shifts)))
         for first in range(0, len(shifts), lanes):
             chunk = slice(first, first + lanes)
             size = len(shifts[chunk])
-            self._put(fields)
+            self._put(poses)
             state[particles[chunk], POSE, np.arange(size)] += shifts[chunk]
             forces[:, chunk] = self._act_there()[:, :size]
         return forces[:, : len(columns)], forces[:, len(columns) :]
 
-    def _put(self, fields: np.ndarray) -> None:
-        self.world.state[:, POSE] = fields[:, :, None]
+    def _put(self, poses: ParticlePoses) -> None:
+        """Place the particles of all lanes at poses."""
+        arrays = poses.position, poses.frame[:, :, 1], poses.frame[:, :, 2]
+        self.world.state[:, POSE] = np.concatenate(arrays, axis=1)[:, :, None]
 
     def _act_there(self) -> np.ndarray:
         """Evaluate the elements at the present positions, without the forces of the way there."""
@@ -163,9 +165,14 @@ class BalanceForces:
         """Return the largest stiffness (N m) of bars and of elements, and the largest force (N m)
         that bars or elements of one type give by each degree of freedom (6n,). scales (6n,): length
         (m) or angle (rad) that is the unit of each."""
-        pairs = [self.bars.derivatives(poses), *(s.linearise(poses) for s in self.sources)]
-        bars, *sizes = (largest_entry(scale_matrix(k, scales, scales)) for _, k in pairs)
-        return bars, max(sizes, default=0.0), np.abs([scales * f for f, _ in pairs]).max(axis=0)
+        gradient, stiffness = self.bars.derivatives(poses)
+        largest = [largest_entry(scale_matrix(stiffness, scales, scales))]
+        forces = np.abs(scales * gradient)
+        for source in self.sources:
+            source_forces, stiffness = source.linearise(poses)
+            largest.append(largest_entry(scale_matrix(stiffness, scales, scales)))
+            forces = np.maximum(forces, np.abs(scales * source_forces))
+        return largest[0], max(largest[1:], default=0.0), forces
 
     def follow(self, poses: ParticlePoses) -> None:
         """Move the elements on to `poses`, from where those with memory start next time."""
@@ -216,8 +223,3 @@ def acts(kind: type[Any]) -> bool:
     kernels = kind.kernels()
     array_types = [array_type for array_type, name in KERNELS if name == "forces"]
     return any(array_type.__module__ == kernels.__name__ for array_type in array_types)
-
-
-def _fields_of(poses: ParticlePoses) -> np.ndarray:
-    """Fields (n, 9) of particles' states at their poses."""
-    return np.concatenate([poses.position, poses.frame[:, :, 1], poses.frame[:, :, 2]], axis=1)

@@ -7,7 +7,7 @@ position to position against a drag ε M (x - x₀), and ε falls while that suc
 become Newton's own. Where the end is unstable, both sides are followed downhill, and the lower end
 is taken if they differ."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from copy import copy
 from dataclasses import replace
 from typing import NamedTuple, NoReturn
@@ -165,28 +165,31 @@ class RestSearch(StaticEquations):
         self._resolution = RESOLUTION if balance.sources else 0.0
         self.hinges, self.open_before = list(scene.hinges), self._worst(self._start)
 
-    def relax(self) -> tuple[ParticlePoses, int]:
-        """Return the stable poses, and number of positions; else MisfitError."""
+    def relax(self) -> ParticlePoses:
+        """Return the stable poses; else MisfitError."""
         if not len(self._free) and self._gap(self._start) <= GAP_TOL:
-            return self._start, 0
-        start, rounds = self._close(self._start, relaxes=True)
+            return self._start
+        start = self._close(self._start, relaxes=True)
         if self._gap(start) > (OPEN if len(self._free) else GAP_TOL):
             name, gap, tilt = self._worst(start)
             allowed = "parts that can be forced together, with this joint closed"
             raise MisfitError(f"joint {name}", _gap_text(gap, tilt), allowed)
-        state, impulses, count = self._lead(*self._descend(start, self._no_gaps))
+        state, impulses = self._lead(*self._descend(start, self._no_gaps))
         self._check_strains(state)
         step = self._find_descent(state, impulses)
         if step is None:
-            return state, rounds + count
-        sides = [self._follow(state, impulses, direction) for direction in (step, -step)]
+            return state
+        sides = [self._follow(state, direction) for direction in (step, -step)]
         sides = sorted((side for side in sides if side), key=lambda side: side[0])
-        if sides and not self._differ(sides):
-            self._check_strains(sides[0][1])
-            return sides[0][1], rounds + count + sum(side[2] for side in sides)
         requirement = "a stable position; this one snaps, and none was found downhill of it"
         if sides:
-            energy = self.balance.bars.energy(sides[0][1])
+            (low, lowest), (high, highest) = sides[0], sides[-1]
+            shift = np.abs(lowest.position - highest.position).max()
+            if not (high - low <= -SAME_TOL * low and shift > SAME_TOL * self._size):
+                self._check_strains(lowest)
+                return lowest
+            # Both sides end apart with the same loss of energy.
+            energy = self.balance.bars.energy(lowest)
             requirement = (
                 f"a stable position; this one snaps to either of two with {energy:.4g} J, as "
                 f"a straight bar pressed beyond its buckling load: {self._words.remedy} says to "
@@ -217,24 +220,18 @@ class RestSearch(StaticEquations):
         angle = tilts(self.scene, poses, self._hold).get(name, np.nan)
         return name, gap, angle if tilt > 0 and np.isfinite(angle) else tilt
 
-    def _differ(self, sides: Sequence[tuple]) -> bool:
-        """Whether both sides, lower first, end apart with the same loss of energy."""
-        (low, low_poses, _), (high, high_poses, _) = sides[0], sides[-1]
-        shift = np.abs(low_poses.position - high_poses.position).max()
-        return high - low <= -SAME_TOL * low and shift > SAME_TOL * self._size
-
     def _lacks(self, poses) -> np.ndarray:
         return -self._weight * self._conditions.gaps(poses)
 
     def _gap(self, poses) -> float:
         return float(np.abs(self._lacks(poses)).max(initial=0.0))
 
-    def _close(self, poses, relaxes: bool = False) -> tuple[ParticlePoses, int]:
-        """Return poses at which the joints are closed, and rounds; relaxes: forces are small."""
+    def _close(self, poses, relaxes: bool = False) -> ParticlePoses:
+        """Return poses at which the joints are closed; relaxes: whether forces are small there."""
         impulses = self._no_gaps
-        for count in range(CLOSINGS if len(self._free) else 0):
+        for _ in range(CLOSINGS if len(self._free) else 0):
             if self._gap(poses) <= GAP_TOL:
-                return poses, count
+                break
             ease = MASS_SHARE * self.balance.sizes(poses, self._scales)[0] or 1.0
             solve, gradient = self.linearise(poses, impulses, ease, convex=True)
             step, change = solve(-gradient if relaxes else self._no_force, self._lacks(poses))
@@ -246,10 +243,10 @@ class RestSearch(StaticEquations):
             impulses = impulses + fraction * change * relaxes
             if relaxes:
                 self._check_folds(poses)
-        return poses, CLOSINGS
+        return poses
 
-    def _lead(self, poses, impulses, count: int):
-        """Return balanced poses with the held openings, impulses there, and positions."""
+    def _lead(self, poses, impulses):
+        """Return balanced poses with the held openings, and impulses there."""
         hinges = self.scene.hinges
         changes = [self._targets.get(h.name, h.opening) - h.opening for h in hinges]
         lengths = [
@@ -264,12 +261,8 @@ class RestSearch(StaticEquations):
                 for h, change in zip(hinges, changes, strict=True)
             ]
             self._conditions = conditions_of(scene, self._hold)
-            poses, impulses, rounds = self._descend(poses, impulses, is_led=True)
-            count += rounds
-        if steps:
-            poses, impulses, rounds = self._descend(poses, impulses)
-            count += rounds
-        return poses, impulses, count
+            poses, impulses = self._descend(poses, impulses, is_led=True)
+        return self._descend(poses, impulses) if steps else (poses, impulses)
 
     def _find_descent(self, poses, impulses):
         """Return the motion (6n,) along which the energy falls to both sides, or None: the image of
@@ -313,8 +306,8 @@ class RestSearch(StaticEquations):
         return np.array(images).T @ vectors[:, values < -share * np.abs(values).max()]
 
     def _descend(self, poses, impulses, is_led: bool = False):
-        """Descend in energy from `poses` to a balance; return its poses, impulses and the count of
-        steps. is_led: make one step, whatever its energy."""
+        """Descend in energy from `poses` to a balance; return its poses and impulses. is_led: make
+        one step, whatever its energy."""
         bars, elements, forces = self.balance.sizes(poses, self._scales)
         force = float(forces[self._free].max(initial=0.0))
         stiffest, ease, motion = max(bars, elements, force), EASE_SHARE * force, self._no_force
@@ -338,7 +331,7 @@ class RestSearch(StaticEquations):
             if np.abs(poses.position - start).max() > DISTANCE * self._size:
                 break
             if is_led or (largest <= STEP_TOL and is_closed and ease <= floor):
-                return poses, impulses, count
+                return poses, impulses
             ease *= max(largest / AIM, EASE_DECREASE) if largest > SMALL else 0.0
         self._refuse_motion(motion)
 
@@ -376,25 +369,22 @@ class RestSearch(StaticEquations):
             return True
         return self.balance.change(first, last) + ease * motion @ (self._mass @ motion) / 2 <= 0
 
-    def _downhill(self, poses, step):
-        """Poses of less energy along a motion from unstable ones."""
-        for halving in range(HALVINGS):
-            shift = 0.5**halving * FARTHEST * self._scales * step
-            trial, _ = self._close(poses.displace(shift))
-            if self._gap(trial) <= GAP_TOL and self.balance.change(poses, trial) < 0:
-                return trial
-        return poses
-
-    def _follow(self, poses, impulses, step):
-        """Stable poses downhill to a motion's side, by how much energy, rounds; or None."""
-        count, start, hinges, memory = 0, poses, self.hinges, self.balance.memory()
+    def _follow(self, poses, step):
+        """From unstable poses, to the side of a motion: the change of energy to stable poses
+        downhill, and these; None where there are none."""
+        start, hinges, memory = poses, self.hinges, self.balance.memory()
         try:
             for _ in range(FALLS):
-                poses, impulses, rounds = self._descend(self._downhill(poses, step), self._no_gaps)
-                count += rounds
+                for halving in range(HALVINGS):
+                    shift = 0.5**halving * FARTHEST * self._scales * step
+                    trial = self._close(poses.displace(shift))
+                    if self._gap(trial) <= GAP_TOL and self.balance.change(poses, trial) < 0:
+                        poses = trial
+                        break
+                poses, impulses = self._descend(poses, self._no_gaps)
                 step = self._find_descent(poses, impulses)
                 if step is None:
-                    return self.balance.change(start, poses), poses, count
+                    return self.balance.change(start, poses), poses
         except MisfitError:
             pass
         finally:

@@ -73,21 +73,9 @@ class Outcome(Curves):
         openings = [f"{n}: {x.min():.4g} to {x.max():.4g}" for n, x in self.openings.items()]
         return import_module("fpm.structures.describe").to_html(head, events, *openings)
 
-    @property
-    def tensions(self) -> dict[str, np.ndarray]:
-        """Tensions (t,), N, of all cables by name, at the recorded instants."""
-        return self.select_columns("cable_tension")
-
-    def dataset(self, responses=(), attributes=None, parameters=None) -> "xarray.Dataset":
-        """Return the trajectory as an xarray.Dataset; raises the failure of a run that failed.
-
-        Parameters
-        ----------
-        responses: sequence of fpm.reading.responses.Response whose values are added.
-        attributes: further global attributes by name, None for none.
-        parameters: values and units, (value, unit), of parameters of the run by name, None:
-        none."""
-        return to_dataset(self, responses, attributes, parameters)
+    def dataset(self) -> "xarray.Dataset":
+        """Return the trajectory as an xarray.Dataset; raises the failure of a run that failed."""
+        return to_dataset(self)
 
 
 def columns_of(records: Mapping[str, Series]) -> dict[Column, np.ndarray]:

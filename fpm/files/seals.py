@@ -22,7 +22,7 @@ _LONGEST = 1 << 20  # bytes of a seal, at most
 _MOST = 1 << 30  # bytes of a file that is read at once
 _COMMENT = {".md", ".html", ".svg"}
 _KEY = re.compile(rb'^\{\n "seal": (\{[^\n]*\}),\n')
-_LINE = re.compile(rb'(?:\A|\n)(?:<!-- )?(\{"seal": [^\n]*\})(?: -->)?\n\Z')
+_LINE = re.compile(rb'(?:\A|\n)(?:<!-- )?\{"seal": (\{[^\n]*\})\}(?: -->)?\n\Z')
 _TEMPORARY = re.compile(r"^\..*\.(?P<host>[^.]+)-(?P<process>\d+)\.part(\.\w+)?$")
 
 
@@ -79,10 +79,9 @@ def read_seal(path: Path) -> tuple[dict[str, str], int]:
     with open(path, "rb") as file:
         file.seek(max(0, size - _LONGEST))
         end = file.read()
-        match = _LINE.search(end, max(0, end.rfind(b"\n", 0, -1)))
-    facts = _facts(path, match and match[1])
-    assert match is not None  # or _facts has raised
-    return facts, size - len(match[0])
+    end = end[max(0, end.rfind(b"\n", 0, -1)) :]
+    facts, rest = _split(path, end)
+    return facts, size - len(end) + len(rest)
 
 
 def read_bytes(path: str | os.PathLike, most: int = _MOST) -> bytes:
@@ -102,9 +101,9 @@ _NONBLOCK = getattr(os, "O_NONBLOCK", 0)
 
 def unseal(path: str | os.PathLike) -> bytes:
     """Return the sealed file at `path` without its seal; DamagedError if not as it was written."""
-    content = read_bytes(path)
-    check_content(path, content)
-    return _split(path, content)[1]
+    facts, rest = _split(path, read_bytes(path))
+    _compare(path, facts, hashlib.sha256(rest), None)
+    return rest
 
 
 def check_content(path: str | os.PathLike, content: bytes, name: str | None = None) -> dict:
@@ -116,22 +115,17 @@ def check_content(path: str | os.PathLike, content: bytes, name: str | None = No
 
 
 def _split(path: str | os.PathLike, content: bytes) -> tuple[dict[str, str], bytes]:
-    """Facts and rest of a file's content."""
+    """Return the facts in the seal of a file's content, and what is left without the seal."""
     if Path(path).suffix == ".json":
         match = _KEY.match(content)
-        facts = _facts(path, match and b'{"seal": ' + match[1] + b"}")
-        assert match is not None  # or _facts has raised
-        return facts, b"{\n" + content[match.end() :]
-    match = _LINE.search(content, max(0, len(content) - _LONGEST))
-    return _facts(path, match and match[1]), content[: -len(match[0])] if match else b""
-
-
-def _facts(path: str | os.PathLike, text: bytes | None) -> dict[str, str]:
-    if text is not None:
-        with suppress(ValueError, RecursionError):
-            facts = json.loads(text)["seal"]
-            if isinstance(facts, dict) and {"name", "digest"} <= facts.keys():
-                return {str(key): str(value) for key, value in facts.items()}
+        text, rest = (match[1], b"{\n" + content[match.end() :]) if match else (b"", b"")
+    else:
+        match = _LINE.search(content, max(0, content.rfind(b"\n", 0, -1)))
+        text, rest = (match[1], content[: match.start()]) if match else (b"", b"")
+    with suppress(ValueError, RecursionError):
+        facts = json.loads(text)
+        if isinstance(facts, dict) and {"name", "digest"} <= facts.keys():
+            return {str(key): str(value) for key, value in facts.items()}, rest
     raise DamagedError(path, "it was cut off or edited, or is no file of this program")
 
 

@@ -1,8 +1,7 @@
 """Trajectory files: runs of one batch in one netCDF file, complete or absent, and sealed.
 
 Arrays over time have the dimension `run` first. Energies and what else the kinds in a scene record
-have the names that the kinds give them; all others are fixed. Files of one run alone, as
-`Outcome.dataset` gives it, lack that dimension."""
+have the names that the kinds give them; all others are fixed."""
 
 import os
 from collections.abc import Callable, Iterable, Mapping
@@ -13,7 +12,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from fpm.elements import KINDS, energies_of
-from fpm.elements.cross import columns as stack_columns
 from fpm.elements.kind import Eventful, Gate
 from fpm.files import seals
 
@@ -135,63 +133,60 @@ class Curves:
     def times(self, event: str, elements: Iterable[str]) -> np.ndarray:
         """Return the times (s), increasing, at which any of some elements had an event. event: its
         name, such as "latches"; elements: the elements' names."""
-        names = [e.events if e.name in elements else () for e in self.eventful]
-        numbers = [labels.index(event) if event in labels else -1 for labels in names]
+        numbers = [
+            e.events.index(event) if event in e.events and e.name in elements else -1
+            for e in self.eventful
+        ]
         rows = self.events[:, 2] == np.array(numbers)[self.events[:, 1].astype(int)]
         return np.sort(self.events[rows, 0])
 
     def impacts(self, pairs: Mapping[str, str] = IMPACTS) -> Impacts:
         """Return the impacts of the run, at whose times responses bend or jump. pairs: names of
         events, {what begins an impact: what ends it}; a latch's ends at once."""
-        events = [e.events for e in self.eventful]
-        starts = [next((e for e in labels if e in pairs), None) for labels in events]
-        has_impact = [event is not None for event in starts]
-        index, element = np.cumsum(has_impact) - 1, self.events[:, 1].astype(int)
-        blocks = []
-        for number_of, flag in ((lambda e: e, 1.0), (pairs.get, 0.0)):
-            event_pairs = zip(events, starts, strict=True)
-            numbers = [labels.index(number_of(e)) if e else -1 for labels, e in event_pairs]
-            selection = np.flatnonzero(self.events[:, 2] == np.array(numbers, int)[element])
-            blocks.append(stack_columns(self.events[selection, 0], index[element[selection]], flag))
-        rows = np.concatenate(blocks)
+        rows: list[tuple[float, int, float]] = []
+        names: list[str] = []
+        for index, element in enumerate(self.eventful):
+            start = next((event for event in element.events if event in pairs), None)
+            if start is None:
+                continue
+            events = self.events[self.events[:, 1] == index]
+            for event, flag in ((start, 1.0), (pairs[start], 0.0)):
+                times = events[events[:, 2] == element.events.index(event), 0]
+                rows += [(time, len(names), flag) for time in times.tolist()]
+            names.append(element.name.removeprefix("contact "))
         # In order of time; what begins and ends at once begins first.
-        rows = rows[np.lexsort((rows[:, 1], -rows[:, 2], rows[:, 0]))]
-        names = [e.name for e, hits in zip(self.eventful, has_impact, strict=True) if hits]
-        return Impacts(rows, [name.removeprefix("contact ") for name in names])
+        rows.sort(key=lambda row: (row[0], -row[2], row[1]))
+        return Impacts(np.array(rows, float).reshape(-1, 3), names)
 
 
-def contents(
-    outcomes, responses=(), attributes=None, parameters=None, runs=None, columns=None
-) -> Contents:
+def contents(outcomes, attributes=None, parameters=None, runs=None, columns=None) -> Contents:
     """Return the contents of a trajectory file of runs of one structure, by the CF conventions.
-    outcomes: of the runs, the first failure of which is raised; responses: whose values are added;
-    attributes: further global ones; parameters: (value of each run, unit) by name, coordinates
-    `parameter_<name>`; runs: their names; columns: (variable, label) of what is to be written, of
-    points as "position"; None: all."""
+    outcomes: of the runs, the first failure of which is raised; attributes: further global ones;
+    parameters: (value of each run, unit) by name, coordinates `parameter_<name>`; runs: their
+    names; columns: (variable, label) of what is to be written, of points as "position"; None:
+    all."""
     for outcome in outcomes:
         if outcome.failure is not None:
             raise outcome.failure
     names = map(str, range(len(outcomes))) if runs is None else runs
-    numbers = {key: (list(map(f, outcomes)), *rest) for key, (f, *rest) in _NUMBERS.items()}
-    numbers |= {
-        f"{_PARAMETER}{name}": (values, unit, name)
-        for name, (values, unit) in (parameters or {}).items()
-    }
-    dims = RUN, "time"
-    energies = {
-        variable: _variable(dims, [o.energies[name] for o in outcomes], "J", words, energy=name)
-        for name, variable, words in outcomes[0].energy_kinds
-    }
     variables = {
         **_names(RUN, names, "name of the run"),
         "time": _variable("time", outcomes[0].time, "s", "time", standard_name="time", axis="T"),
         **_points(outcomes, columns),
-        **energies,
-        **_record_variables(outcomes, columns),
-        **_events(outcomes),
-        **_responses(outcomes, responses),
-        **{name: _variable(RUN, *c) for name, c in numbers.items() if None not in c[0]},
     }
+    for name, variable, words in outcomes[0].energy_kinds:
+        values = [outcome.energies[name] for outcome in outcomes]
+        variables[variable] = _variable((RUN, "time"), values, "J", words, energy=name)
+    variables |= _record_variables(outcomes, columns) | _events(outcomes)
+    for name, (read_number, unit, words) in _NUMBERS.items():
+        values = [read_number(outcome) for outcome in outcomes]
+        if None not in values:
+            variables[name] = _variable(RUN, values, unit, words)
+    for name, (values, unit) in (parameters or {}).items():
+        variables[f"{_PARAMETER}{name}"] = _variable(RUN, values, unit, name)
+    # By the last attribute xarray tells coordinates that are no dimensions.
+    is_text = {name: v.values.dtype.kind in "UO" for name, v in variables.items()}
+    coordinates = [n for n in variables if is_text[n] or n.startswith(_PARAMETER)]
     scene = outcomes[0].scene.name
     header = {
         "Conventions": CONVENTIONS,
@@ -199,9 +194,10 @@ def contents(
         "source": "finite particle method",
         "history": f"fpm.solver.simulate: {len(outcomes)} runs",
         "scene": scene,
-        "responses": " ".join(response.name for response in responses),
+        **(attributes or {}),
+        "coordinates": " ".join(n for n in coordinates if variables[n].dims != (n,)),
     }
-    return Contents({**header, **(attributes or {})}, variables)
+    return Contents(header, variables)
 
 
 _NUMBERS: dict[str, tuple[Callable[[Any], Any], str, str]] = {
@@ -289,57 +285,23 @@ def _events(outcomes) -> dict[str, NetcdfVariable]:
     }
 
 
-def _responses(outcomes, responses) -> dict[str, NetcdfVariable]:
-    """Put all responses into one variable, so that a response may have any name."""
-    if not responses:
-        return {}
-    values = [[response.evaluate(outcome) for response in responses] for outcome in outcomes]
-    text = (response.long_name for response in responses)
-    words = "responses in units of response_units"
-    return {
-        **_names("response", (r.name for r in responses), "response"),
-        **_names("response", (r.unit for r in responses), "unit of the response", "response_units"),
-        **_names("response", text, "response in words", "response_long_name"),
-        "response_values": _variable((RUN, "response", "time"), values, "", words),
-    }
-
-
-def to_dataset(outcome, responses=(), attributes=None, parameters=None) -> "xarray.Dataset":
+def to_dataset(outcome) -> "xarray.Dataset":
     """Return one run's trajectory as an xarray.Dataset, without the dimension of runs. outcome:
-    whose failure is raised; responses: whose values are added; attributes: further global ones;
-    parameters: (value, unit) by name."""
+    whose failure is raised."""
     import xarray
 
-    columns = {name: ([value], unit) for name, (value, unit) in (parameters or {}).items()}
-    attributes, variables = contents([outcome], responses, attributes, columns)
-    data = xarray.Dataset(
-        {name: v[:3] for name, v in variables.items() if not _is_coordinate(name, v)},
-        coords={name: v[:3] for name, v in variables.items() if _is_coordinate(name, v)},
-        attrs=attributes,
-    )
-    return data.isel(run=0).drop_vars([RUN, "event_run"])
+    attributes, variables = contents([outcome])
+    coordinates = attributes.pop("coordinates").split(" ")
+    data = xarray.Dataset({name: v[:3] for name, v in variables.items()}, attrs=attributes)
+    return data.set_coords(coordinates).isel(run=0).drop_vars([RUN, "event_run"])
 
 
-def _is_coordinate(name: str, variable: NetcdfVariable) -> bool:
-    text = variable.values.dtype.kind in "UO"
-    return variable.dims == (name,) or text or name.startswith(_PARAMETER)
-
-
-def write(trajectory: "Contents | xarray.Dataset", path: str | os.PathLike, **facts: str) -> None:
-    """Write trajectories (Contents or Dataset) to a whole, sealed netCDF file at `path`. facts: of
-    its seal, with `name`. ValueError if a value is not finite."""
-    if not isinstance(trajectory, Contents):
-        variables = {
-            str(key): NetcdfVariable(tuple(map(str, v.dims)), v.values, v.attrs)
-            for key, v in trajectory.variables.items()
-        }
-        trajectory = Contents(dict(trajectory.attrs), variables)
+def write(trajectory: Contents, path: str | os.PathLike, **facts: str) -> None:
+    """Write trajectories to a whole, sealed netCDF file at `path`. facts: of its seal, with `name`.
+    ValueError if a value is not finite."""
     for name, variable in trajectory.variables.items():
         if variable.values.dtype.kind == "f" and not np.isfinite(variable.values).all():
             raise ValueError(f"{name} has values that are not finite; nothing is written")
-    # By this attribute xarray tells coordinates that are no dimensions.
-    names = [n for n, v in trajectory.variables.items() if _is_coordinate(n, v) and v.dims != (n,)]
-    trajectory.attributes["coordinates"] = " ".join(names)
     with seals.whole_file(path, {"name": "a trajectory", **facts}) as temporary:
         write_arrays(temporary, *trajectory)
 
@@ -359,21 +321,17 @@ def read_curves(
 ) -> dict[str, Curves]:
     """Return curves and events of the runs in a trajectory file, by their names, as views of its
     arrays. name: in its seal, None: anything; runs: those to return, None: all. OSError, or
-    seals.DamagedError if it is not as it was written, or has no dimension of runs."""
+    seals.DamagedError if it is not as it was written."""
     import netCDF4
 
     seals.check(path, name)
     with netCDF4.Dataset(path) as file:
         file.set_auto_mask(False)
-        if RUN not in file.variables:
-            raise seals.DamagedError(path, "it is of one run alone")
         variables = {key: (v.dimensions, v[...], v.__dict__) for key, v in file.variables.items()}
     values = {key: array for key, (_, array, _) in variables.items()}
-    names = values[RUN].tolist()
-    selection = set(names if runs is None else runs)
-    events = np.stack([values[key] for key in EVENTS], axis=1)
     labels = [tuple(text.split(" ")) for text in values["event_names"]]
     elements = [*zip(values["event_element"], labels, values["event_joint"], strict=True)]
+    events = np.stack([values[key] for key in EVENTS], axis=1)
     energies = [(v[2]["energy"], v[1]) for v in variables.values() if "energy" in v[2]]
     columns = {
         (key, label): array[..., i]
@@ -381,23 +339,25 @@ def read_curves(
         if dims[:1] == (RUN,) and dims[1:-1] in (("time",), (LED_OVER,), (READING,))
         for i, label in enumerate(values[dims[-1]].tolist())
     }
-    return {
-        name: Curves(
+    selection = set(values[RUN].tolist() if runs is None else runs)
+    curves = {}
+    for row, run in enumerate(values[RUN].tolist()):
+        if run not in selection:
+            continue
+        points = {
+            point: (values["position"][row, :, i], values["velocity"][row, :, i])
+            for i, point in enumerate(values.get("point", ()))
+        }
+        gates = [None if gate[1] == _NO_SIDE else Gate(*gate)
+                 for gate in values["event_gate"][row].tolist()]  # fmt: skip
+        curves[run] = Curves(
             time=values["time"],
-            points={
-                point: (values["position"][row, :, i], values["velocity"][row, :, i])
-                for i, point in enumerate(values.get("point", ()))
-            },
+            points=points,
             energies=Energies((energy, array[row]) for energy, array in energies),
             columns={column: array[row] for column, array in columns.items()},
             events=events[values["event_run"] == row],
-            eventful=tuple(
-                Eventful(*facts, None if gate[1] == _NO_SIDE else Gate(*gate))
-                for facts, gate in zip(elements, values["event_gate"][row].tolist(), strict=True)
-            ),
+            eventful=tuple(Eventful(*e, g) for e, g in zip(elements, gates, strict=True)),
             dropped_events=int(values["events_dropped"][row]),
             step=float(values["time_step"][row]),
         )
-        for row, name in enumerate(names)
-        if name in selection
-    }  # fmt: skip
+    return curves

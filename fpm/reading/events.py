@@ -6,7 +6,6 @@ it goes through values and rates of three instants (Hermite; Davis, Interpolatio
 ch. 2), and the error falls with the sixth power of their distance."""
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -122,18 +121,27 @@ def find_root(time: np.ndarray, values: np.ndarray, i: int) -> float:
     return 0.5 * (low + high)
 
 
-def _extrapolate(curves: Curves, response: Response, rows, t: float) -> float | None:
-    """Return the value of a response at t (s) after the instants `rows` by the rates of its
-    constituents; None: not recorded, or worse than a cubic."""
-    values: dict[str, Any] = {}
+def _extrapolate(curves: Curves, response: Response, rows, instant: float) -> float | None:
+    """Return the value of a response at an instant (s) after five others, those of indices `rows`,
+    by the rates of its constituents. None: the run has not recorded these, or they would not have
+    predicted the last of the five as well as a cubic does."""
+    time, constituents = curves.time[rows], {}
     for name in response.subjects:
         curve = _with_rates(curves, response.kind, name)
-        values[name] = curve and _continue(curves.time[rows], curve[0][rows], curve[1][rows], t)
-    if not values or any(value is None for value in values.values()):
+        if curve is None or len(time) < 5:
+            return None
+        values, rates = (x[rows] for x in curve)
+        cubic = np.polynomial.polynomial.polyfit(time[:4] - time[4], values[:4], 3)[0]
+        prediction = _hermite(time[1:4], values[1:4], rates[1:4], time[4])
+        error, limit = (np.linalg.norm(value - values[4]) for value in (prediction, cubic))
+        if not error <= limit + 1e-12 * np.abs(values).max():  # rounding
+            return None
+        constituents[name] = _hermite(time[2:], values[2:], rates[2:], instant)
+    if not constituents:
         return None
-    points = {name: (value, value) for name, value in values.items()}
-    columns = {("opening", name): value[:, 0] for name, value in values.items()}
-    extrapolation = replace(curves, time=np.array([t]), points=points, columns=columns)
+    points = {name: (value, value) for name, value in constituents.items()}
+    columns = {("opening", name): value[:, 0] for name, value in constituents.items()}
+    extrapolation = replace(curves, time=np.array([instant]), points=points, columns=columns)
     return float(response.evaluate(extrapolation)[0])
 
 
@@ -151,21 +159,11 @@ def _with_rates(curves: Curves, kind: str, name: str) -> tuple[np.ndarray, np.nd
     return values, np.stack([curves.columns[column] for column in rates], axis=1)
 
 
-def _continue(time: np.ndarray, values: np.ndarray, rates: np.ndarray, t: float):
-    """Values (1, k) at a time t after five instants, from values and rates (5, k); None where they
-    would not have predicted the last instant."""
-    if len(time) < 5:
-        return None
-    cubic = np.polynomial.polynomial.polyfit(time[:4] - time[4], values[:4], 3)[0]
-    prediction = _hermite(time[1:4], values[1:4], rates[1:4], time[4])
-    error, limit = (np.linalg.norm(value - values[4]) for value in (prediction, cubic))
-    rounding = 1e-12 * np.abs(values).max()
-    return _hermite(time[2:], values[2:], rates[2:], t) if error <= limit + rounding else None
-
-
 def _hermite(time: np.ndarray, values: np.ndarray, rates: np.ndarray, instant: float) -> np.ndarray:
-    """Values (1, k) at a time of the polynomials with given values and rates (n, k)."""
+    """Return the values (1, k) at an instant (s) of k polynomials, from values and rates (n, k) at
+    n times. Their terms are powers of the distance from the instant, so that the first is it."""
     unit, powers = time[-1] - time[0], np.arange(2 * len(time))
     distance = ((time - instant) / unit)[:, None]
-    rows = np.vstack([distance**powers, powers * distance ** np.maximum(powers - 1, 0)])
-    return np.linalg.solve(rows, np.vstack([values, unit * rates]))[:1]
+    terms, slopes = distance**powers, powers * distance ** np.maximum(powers - 1, 0)
+    coefficients = np.linalg.solve(np.vstack([terms, slopes]), np.vstack([values, unit * rates]))
+    return coefficients[:1]

@@ -102,7 +102,9 @@ def column_of(travel: Travel, variable: str, part: str) -> Any:
     """Return the values (p,) of a variable at the positions of a travel: "travel_work" of the
     component `part` (N m; N), None: there is none; "travel_inertia" (kg m²; kg); "travel_opening"
     (rad; m)."""
-    return {WORK: travel.work.get(part), INERTIA: travel.inertia, OPENING: travel.opening}[variable]
+    if variable == WORK:
+        return travel.work.get(part)
+    return travel.inertia if variable == INERTIA else travel.opening
 
 
 def find_drives(works: Mapping[str, np.ndarray]) -> list[str]:

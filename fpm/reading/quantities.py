@@ -280,20 +280,6 @@ def settling(
     return find_root(time, np.sign(deviation[last]) * deviation - tolerance, last)
 
 
-def _of_values(number: Callable[[Quantity, np.ndarray, np.ndarray], float]):
-    """Make a reader that applies `number` to times and values (t,) of the response."""
-    return lambda quantity, curves: number(
-        quantity, curves.time, quantity.response.evaluate(curves)
-    )
-
-
-def _smallest(quantity: Quantity, curves: Curves) -> float:
-    """Return the smallest value; of what lies along a way, of all of it."""
-    if quantity.response.along:
-        return margins.least(quantity.response, curves)[0]
-    return extreme_value(curves, quantity.response, -1.0)
-
-
 def _place_of_smallest(quantity: Quantity, curves: Curves) -> float:
     """Return where values are smallest: a time (s), or a value of the response's abscissa."""
     if quantity.response.along:
@@ -307,8 +293,10 @@ def _place_of_smallest(quantity: Quantity, curves: Curves) -> float:
     return float(time[0] + fraction * (time[-1] - time[0]))
 
 
-def _mean(time: np.ndarray, values: np.ndarray) -> float:
-    return float(np.trapezoid(values, time) / (time[-1] - time[0]))
+def _mean(quantity: Quantity, curves: Curves, power: int = 1) -> float:
+    """Return the mean over time of a power of the response."""
+    time, values = curves.time, quantity.response.evaluate(curves)
+    return float(np.trapezoid(values**power, time) / (time[-1] - time[0]))
 
 
 def _value(quantity: Quantity, curves: Curves) -> float:
@@ -354,21 +342,33 @@ KINDS = {
         lambda q, curves: extreme_value(curves, q.response, 1.0),
         "largest {about}", is_instantaneous=True,
     ),
-    "smallest": QuantityType(_smallest, "smallest {about}", is_instantaneous=True),
+    "smallest": QuantityType(
+        lambda q, curves: (
+            margins.least(q.response, curves)[0] if q.response.along  # between all positions
+            else extreme_value(curves, q.response, -1.0)
+        ),
+        "smallest {about}", is_instantaneous=True,
+    ),
     "smallest_at": QuantityType(_place_of_smallest, "{place} of the smallest {about}"),
-    "final": QuantityType(_of_values(lambda q, time, y: float(y[-1])), "final {about}"),
-    "mean": QuantityType(_of_values(lambda q, time, y: _mean(time, y)), "mean {about}"),
+    "final": QuantityType(
+        lambda q, curves: float(q.response.evaluate(curves)[-1]), "final {about}"
+    ),
+    "mean": QuantityType(_mean, "mean {about}"),
     "rms": QuantityType(
-        _of_values(lambda q, time, y: float(np.sqrt(_mean(time, y**2)))), "rms {about}",
+        lambda q, curves: float(np.sqrt(_mean(q, curves, 2))), "rms {about}",
         positive=True, is_instantaneous=True,
     ),
     "value": QuantityType(_value, "{about} {moment}", ("at",)),
     "settling": QuantityType(
-        _of_values(lambda q, time, y: settling(time, y, q.tolerance, q.target)),
+        lambda q, curves: settling(
+            curves.time, q.response.evaluate(curves), q.tolerance, q.target
+        ),
         "time from which the {about} stays within {within:.6g}", ("within",), ("about",), "s",
     ),
     "crossing": QuantityType(
-        _of_values(lambda q, time, y: crossing(time, y, q.level, q.direction, q.number)),
+        lambda q, curves: crossing(
+            curves.time, q.response.evaluate(curves), q.level, q.direction, q.number
+        ),
         "time of the {nth}crossing of {level:.6g}{way} by the {about}",
         ("level",), ("way", "number"), "s",
     ),

@@ -278,7 +278,8 @@ def _add_long_name(quantity: Quantity, target: str = "") -> Quantity:
     """Return the quantity with its long name."""
     time, places, response = quantity.instant, quantity.places, quantity.response
     number = quantity.number
-    suffix = {1: "st", 2: "nd", 3: "rd"}.get(number % 10 if number % 100 // 10 != 1 else 0, "th")
+    is_teen = number % 100 // 10 == 1  # 11th, 12th, 13th
+    suffix = "th" if is_teen else {1: "st", 2: "nd", 3: "rd"}.get(number % 10, "th")
     text = KINDS[quantity.kind].text.format(
         about=response.long_name if response else "",
         nth="first " if number == 1 else f"{number}{suffix} ",

@@ -120,24 +120,21 @@ class Recording:
         angular = self._angular(particle, change - gyroscopic)
         return self._column(particle, "ACCELERATION"), angular
 
-    def _turn_components(self, particle: int, vector: np.ndarray, change: Callable) -> np.ndarray:
-        """A vector (t, 3) after a change of its components along the particle's axes."""
-        axes = self.axes(particle)
-        return np.einsum("tij,tj->ti", axes, change(np.einsum("tij,ti->tj", axes, vector)))
-
     def _angular(self, particle: int, momentum: np.ndarray) -> np.ndarray:
         """Inverse inertia of a particle times a momentum (t, 3), about axes it may turn about."""
-        inertia = turns_of(self.scene).inertia[particle]
-        angular = self._turn_components(particle, momentum, lambda local: local / inertia)
+        inertia, axes = turns_of(self.scene).inertia[particle], self.axes(particle)
+        local = np.einsum("tij,ti->tj", axes, momentum)
+        angular = np.einsum("tij,tj->ti", axes, local / inertia)
         return angular * ~self.scene.fixed[particle, 3:]
 
     def inertia(self, particle: int) -> tuple[np.ndarray, np.ndarray]:
         """Return the rates of change of momentum (t, 3) N and angular momentum (t, 3) N m of a
         particle (its index), in global axes, also of a driven one."""
         (change, angular), spin = self.acceleration(particle), self.spin(particle)
-        inertia = self.scene.inertia[particle]
+        axes, inertia = self.axes(particle), self.scene.inertia[particle]
         momentum, moment = (
-            self._turn_components(particle, v, lambda x: x * inertia) for v in (spin, angular)
+            np.einsum("tij,tj->ti", axes, inertia * np.einsum("tij,ti->tj", axes, vector))
+            for vector in (spin, angular)
         )
         return self.scene.mass[particle] * change, moment + np.cross(spin, momentum)
 

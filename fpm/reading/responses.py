@@ -12,7 +12,7 @@ import numpy as np
 
 from fpm import elements
 from fpm.declare import SLIDE_UNITS, NumberLimits
-from fpm.elements import Journal, Latch, Stop, Strut, energies_of, kinds_of
+from fpm.elements import Drag, Journal, Latch, Stop, Strut, energies_of, kinds_of
 from fpm.elements.openings.latch import SERIES, SIDES
 from fpm.errors import SceneError, did_you_mean, fold_name
 from fpm.files.trajectory import POSITION, Column, Curves
@@ -32,16 +32,16 @@ def kind_of(key: str, definition: Any, kinds: Mapping[str, Any], addition: str =
     (name,) = names
     mandatory, optional = kinds[name].mandatory, kinds[name].optional
     unknown_keys = [entry for entry in definition if entry not in {name, *mandatory, *optional}]
-    if unknown_keys or not definition.keys() >= {*mandatory}:
-        allowed = " and ".join(filter(None, (name, ", ".join(mandatory))))
-        allowed += f", and optionally {', '.join(optional)}" if optional else ""
-        allowed += "" if mandatory or optional else " alone"
-        if {"unit", "units"} & {*unknown_keys}:
-            allowed += ", in the SI unit of its kind: leave the unit out"
-        if len(unknown_keys) == 1:  # whose line is told
-            key = f"{key}.{unknown_keys[0]}"
-        raise SceneError(key, ", ".join(map(str, unknown_keys)) or dict(definition), allowed)
-    return name
+    if not unknown_keys and definition.keys() >= {*mandatory}:
+        return name
+    allowed = f"{name} and {', '.join(mandatory)}" if mandatory else name
+    allowed += f", and optionally {', '.join(optional)}" if optional else ""
+    allowed += "" if mandatory or optional else " alone"
+    if {"unit", "units"} & {*unknown_keys}:
+        allowed += ", in the SI unit of its kind: leave the unit out"
+    if len(unknown_keys) == 1:  # whose line is told
+        key = f"{key}.{unknown_keys[0]}"
+    raise SceneError(key, ", ".join(map(str, unknown_keys)) or dict(definition), allowed)
 
 
 def check_choice(key: str, value: object, choices: Iterable[str], addition: str = "") -> str:
@@ -234,8 +234,9 @@ def _section(spec: Definition) -> Response:
 def _of_cable(key: str, variable: str, unit: str, spec: Definition) -> Response:
     """Make a response of a cable: the tension of a stretch, or the length that ran over a point
     between its ends, both numbered from 1. Without a number it is the first stretch."""
-    name = spec.one_of(cable.name for cable in spec.scene.cables)
-    count = next(len(cable.beams) - 1 for cable in spec.scene.cables if cable.name == name)
+    counts = {cable.name: len(cable.beams) - 1 for cable in spec.scene.cables}  # of stretches
+    name = spec.one_of(counts)
+    count = counts[name]
     number, least = spec.data.get(key, 1), 1 if key == "stretch" else 2
     if isinstance(number, bool) or number not in range(least, count + 1):
         allowed = f"the number of a {key} of cable {name}, {least} to {count}"
@@ -334,9 +335,7 @@ def _loss(spec: Definition) -> Response:
     columns = [("joint_work", f"{h} {kind}") for h, parts in by_hinge.items() if kind in parts]
     actor = "everything" if kind == "all" else kind
     response = spec.response((kind,), "", "J", f"energy lost by {actor} so far", tuple(columns))
-    scene = spec.scene
-    elements = [element for element_type in [*scene.kinds] for element in element_type.find(scene)]
-    is_blown = any(np.any(getattr(element, "wind", 0.0)) for element in elements)
+    is_blown = any(np.any(drag.wind) for drag in Drag.find(spec.scene))
     return replace(response, is_signed=is_blown and kind in ("all", "damping"))
 
 

@@ -24,7 +24,7 @@ from fpm.files.trajectory import LED_OVER, Column
 from fpm.reading import bars, margins
 from fpm.reading.bars import Bar, element_stress, ends_of, half_sizes
 from fpm.reading.constraint_forces import couple_on_two, joints_of, reaction, reactions_of
-from fpm.reading.recording import Recording
+from fpm.reading.recording import Recording, Sides
 from fpm.scenes.scene import Scene
 
 MOST_PAIRS = 1 << 20
@@ -38,8 +38,11 @@ def find_clearance(scene: Scene, first: Bar, second: Bar, place, axes) -> np.nda
     lines1, lines2 = (_lines(scene, bar, place, axes) for bar in (first, second))
     count, pairs = len(lines1[0]), lines1[0].shape[1] * lines2[0].shape[1]
     size = max(1, MOST_PAIRS // pairs)
-    parts = [slice(k, k + size) for k in range(0, count, size)]
-    return np.concatenate([_shortest(*(x[part] for x in (*lines1, *lines2))) for part in parts])
+    distances = []
+    for k in range(0, count, size):
+        pair = ([array[k : k + size] for array in lines] for lines in (lines1, lines2))
+        distances.append(_shortest(*pair))
+    return np.concatenate(distances)
 
 
 def _lines(scene: Scene, bar: Bar, place, axes) -> tuple[np.ndarray, ...]:
@@ -55,16 +58,16 @@ def _lines(scene: Scene, bar: Bar, place, axes) -> tuple[np.ndarray, ...]:
     return tuple(np.concatenate(arrays, axis=1) for arrays in zip(*lines, strict=True))
 
 
-def _shortest(a, b, sides_one, radius_one, c, d, sides_two, radius_two) -> np.ndarray:
-    """Shortest distance (t,) m of the elements from a to b and the elements from c to d."""
-    a, b = a[:, :, None], b[:, :, None]
-    c, d = c[:, None], d[:, None]
-    line = nearest(a, b, c, d)
-    distance = np.linalg.norm(line, axis=-1)
+def _shortest(lines1: Sequence[np.ndarray], lines2: Sequence[np.ndarray]) -> np.ndarray:
+    """Return the shortest distance (t,) m of the elements of one bar, m, from those of another, n,
+    each as of `_lines`."""
+    (start1, end1, sides1, radius1), (start2, end2, sides2, radius2) = lines1, lines2
+    line = nearest(start1[:, :, None], end1[:, :, None], start2[:, None], end2[:, None])
+    distance = np.linalg.norm(line, axis=-1)  # (t, m, n)
     direction = line / np.maximum(distance, 1e-300)[..., None]
-    widths = radius_one[:, :, None] + radius_two[:, None]
-    widths = widths + np.abs(np.einsum("tmki,tmni->tmnk", sides_one, direction)).sum(axis=-1)
-    widths = widths + np.abs(np.einsum("tnki,tmni->tmnk", sides_two, direction)).sum(axis=-1)
+    widths = radius1[:, :, None] + radius2[:, None]
+    widths = widths + np.abs(np.einsum("tmki,tmni->tmnk", sides1, direction)).sum(axis=-1)
+    widths = widths + np.abs(np.einsum("tnki,tmni->tmnk", sides2, direction)).sum(axis=-1)
     return (distance - widths).min(axis=(1, 2))
 
 
@@ -192,9 +195,8 @@ def _openings(scene: Scene, slides: bool) -> list[str]:
     return [hinge.name for hinge in scene.hinges if hinge.slides == slides]
 
 
-def _moments_on(index: int, recording: Recording, name: str) -> np.ndarray:
-    """Moments (t, parts) on a hinge (index 0), or their work (index 1)."""
-    return recording.moments(_hinge(recording.scene, name))[index]
+def _moments(recording: Recording, name: str) -> np.ndarray:
+    return recording.moments(_hinge(recording.scene, name))[0]
 
 
 # -- joints and supports --------------------------------------------------------------------------
@@ -204,9 +206,8 @@ def _keep_joint(scene: Scene, name: str) -> Probe:
     return Probe(frames=joints_of(scene)[name].particles, impulses=True)
 
 
-def _constraint(moment: bool, recording: Recording, name: str) -> np.ndarray:
-    joint, sides = next(pair for pair in recording.joints if pair[0].name == name)
-    return couple_on_two(recording, joint, sides) if moment else sides.force2
+def _joint(recording: Recording, name: str) -> tuple[Hinge | Joint, Sides]:
+    return next(pair for pair in recording.joints if pair[0].name == name)
 
 
 def _keep_reaction(scene: Scene, name: str) -> Probe:
@@ -302,23 +303,26 @@ VARIABLES = {
     ),
     "joint_moment": _by_who_acts(
         "N m", "moment on the second part of a hinge about its axis, by who acts",
-        partial(_openings, slides=False), values=partial(_moments_on, 0),
+        partial(_openings, slides=False), values=_moments,
     ),
     "joint_force": _by_who_acts(
         "N", "force on the second part of a slide along its axis, by who acts",
-        partial(_openings, slides=True), values=partial(_moments_on, 0),
+        partial(_openings, slides=True), values=_moments,
     ),
     "joint_work": _by_who_acts(
         "J", "work of moments and forces on joints so far, by who acts",
-        lambda scene: [hinge.name for hinge in scene.hinges], values=partial(_moments_on, 1),
+        lambda scene: [hinge.name for hinge in scene.hinges],
+        values=lambda recording, name: recording.moments(_hinge(recording.scene, name))[1],
     ),
     "constraint_force": _vector(
         "N", "force by which a joint keeps its second part, along global axes",
-        joints_of, _keep_joint, partial(_constraint, False), shock=True,
+        joints_of, _keep_joint, lambda recording, name: _joint(recording, name)[1].force2,
+        shock=True,
     ),
     "constraint_moment": _vector(
         "N m", "moment by which a joint keeps its second part, about its point and global axes",
-        joints_of, _keep_joint, partial(_constraint, True), shock=True,
+        joints_of, _keep_joint,
+        lambda recording, name: couple_on_two(recording, *_joint(recording, name)), shock=True,
     ),
     "reaction_force": _vector(
         "N", "force of a support or drive on the structure, along global axes",

@@ -7,7 +7,6 @@ import math
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache
 from importlib import import_module
 from typing import Any
 
@@ -52,12 +51,6 @@ def _rows(values, *shape: int) -> np.ndarray:
     array = np.empty(shape)
     array[...] = values
     return array
-
-
-@cache
-def _fractions(elements: int) -> np.ndarray:
-    """Return the positions of a bar's particles as fractions of its length."""
-    return np.linspace(0.0, 1.0, elements + 1)
 
 
 def _elements(kind: type[ElementType]) -> property:
@@ -216,7 +209,7 @@ class Scene:
             raise SceneError(f"length of {name}", length, "a positive, finite length (m)")
         mass, inertia = lump(length, elements, section, material, inertia_scale)
         axes = triad(chord, normal)
-        position = start + _fractions(elements)[:, None] * chord
+        position = start + np.linspace(0.0, 1.0, elements + 1)[:, None] * chord
         particles = self.add_particles(position, mass, inertia, axes)
         nodes = particles[:-1, None] + np.arange(2)
         m = len(nodes)

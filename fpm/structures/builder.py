@@ -90,10 +90,6 @@ class Builder:
                 key, bound.expression.text, f"arithmetic with a finite value ({error})"
             ) from None
 
-    def point(self, name: str) -> np.ndarray:
-        """Return the position (3,), m, of a point (its full name), or SkippedError."""
-        return self.find("points", name).position
-
     def store(self, group: str, name: str, value: Any) -> None:
         """Store what was built for an entry, by group, as "bars", and full name."""
         self._values[group, name] = value

@@ -53,32 +53,33 @@ def describe(structure: SceneType, duration: float = 1.0) -> str:
 def list_parts(scene: Scene) -> list[str]:
     """Return lines on the points, parts, joints and what acts on them in a scene."""
     points = [f"{name} {_vector(beam.end_in(scene))}" for name, beam in scene.points.items()]
-    lists = [("points", points or ["none"]), *_lists(scene)]
-    return [line for title, names in lists if names for line in (title, *(f"  {n}" for n in names))]
+    change = scene.assembly or scene.equilibrium
+    start = change.openings if change else [h.opening for h in scene.hinges]
+    joints = [f"{h.name} ({_opening(h, psi)})" for h, psi in zip(scene.hinges, start, strict=True)]
+    joints += [f"{j.name} ({j.type})" for j in scene.kinds.get(Joint, []) if j.type != "held"]
+    drags: Counter[str] = Counter()
+    for drag in Drag.find(scene):
+        drags[drag.name] += drag.factor
+    lists: dict[str, Iterable[str]] = {
+        "points": points or ["none"],
+        "bars": bars_of(scene) if scene.beams else (),
+        "bodies": scene.bodies,
+        "supports": scene.supports or (() if scene.fixed.any() else ["none: it floats"]),
+        "joints": joints or ["none"],
+        "cables": [_cable(scene, cable) for cable in scene.cables],
+        "struts": [_strut(scene, strut) for strut in Strut.find(scene)],
+        "on joints": list_actions(scene),
+        "drags": [f"{name} ({force:.4g} N at 1 m/s)" for name, force in drags.items()],
+    }
+    lines = []
+    for title, names in lists.items():
+        lines += [title, *(f"  {name}" for name in names)] if names else []
+    return lines
 
 
 def to_html(*lines: str) -> str:
     """Return lines as HTML for notebooks."""
     return f"<pre>{escape(chr(10).join(lines))}</pre>"
-
-
-def _lists(scene: Scene) -> Iterator[tuple[str, Iterable[str]]]:
-    """Titles, and what there is of each in a scene."""
-    change = scene.assembly or scene.equilibrium
-    start = change.openings if change else [h.opening for h in scene.hinges]
-    joints = [f"{h.name} ({_opening(h, psi)})" for h, psi in zip(scene.hinges, start, strict=True)]
-    joints += [f"{j.name} ({j.type})" for j in scene.kinds.get(Joint, []) if j.type != "held"]
-    yield "bars", bars_of(scene) if scene.beams else ()
-    yield "bodies", scene.bodies
-    yield "supports", scene.supports or (() if scene.fixed.any() else ["none: it floats"])
-    yield "joints", joints or ["none"]
-    yield "cables", [_cable(scene, cable) for cable in scene.cables]
-    yield "struts", [_strut(scene, strut) for strut in Strut.find(scene)]
-    yield "on joints", list_actions(scene)
-    forces: Counter[str] = Counter()
-    for drag in Drag.find(scene):
-        forces[drag.name] += drag.factor
-    yield "drags", [f"{name} ({force:.4g} N at 1 m/s)" for name, force in forces.items()]
 
 
 def _facts(structure: SceneType, scene: Scene, duration: float) -> Iterator[tuple[str, str]]:
@@ -97,7 +98,7 @@ def _facts(structure: SceneType, scene: Scene, duration: float) -> Iterator[tupl
         text = f"joint {joint} was open by {parts}" if parts else "nothing was open"
         yield "assembled", f"{text}; {scene.assembly.energy:.4g} J of strain energy are left"
     if scene.equilibrium is not None:
-        _, imbalance, largest, energy, motion, _ = scene.equilibrium
+        _, imbalance, largest, energy, motion = scene.equilibrium
         text = f"{motion:.4g} m away at most; {energy:.4g} J of strain energy in bars"
         text += f"; {imbalance:.2g} of forces up to {largest:.4g} (N, N m) is left"
         yield "equilibrium", text

@@ -116,8 +116,13 @@ class DirectionKey(Key):
             )
         if node.entries.keys() == {"from", "to"}:
             ends = ((end, node.entries[end]) for end in ("from", "to"))
-            start, stop = (place.child(end).reference(end_node, "points") for end, end_node in ends)
-            return lambda build: self._unit_vector(build.point(stop) - build.point(start), place)
+            names = [place.child(end).reference(end_node, "points") for end, end_node in ends]
+
+            def from_to(build: Builder) -> np.ndarray:
+                start, stop = (build.find("points", name).position for name in names)
+                return self._unit_vector(stop - start, place)
+
+            return from_to
         return place.refuse(node, self.allowed)
 
     def _unit_vector(self, vector: np.ndarray, place: Place) -> np.ndarray:
@@ -181,14 +186,16 @@ class OpeningKey(Key):
 
     @property
     def allowed(self) -> str:
-        suffixes: dict[str, list[str]] = {}
+        types: list[str] = []  # whose name is that of their opening
+        suffixes: dict[str, None] = {}  # by which others name theirs
         for type, joint_type in TYPES.items():
             for k, (suffix, _) in enumerate(joint_type.openings):
-                if self._fits(type, k):
-                    suffixes.setdefault(suffix, []).append(type)
-        names = " or ".join(suffixes.pop("", []))
+                if self._fits(type, k) and suffix:
+                    suffixes[suffix] = None
+                elif self._fits(type, k):
+                    types.append(type)
         text = f", or of a joint of several openings with {' or '.join(suffixes)} behind it"
-        return f"the name of a {names} joint{text if suffixes else ''}{self.hint}"
+        return f"the name of a {' or '.join(types)} joint{text if suffixes else ''}{self.hint}"
 
     def options(self, place: Place) -> list[str]:
         """Names of joints with one opening, seen at a place of a file, that are allowed."""
@@ -197,13 +204,11 @@ class OpeningKey(Key):
         return [*place.context.visible([n for n in joints if self._fits(types[n], 0)])]
 
     def read(self, node, place):
-        names, number, name = place.names, None, node
-        try:
-            joint, number = names.openings[place.context.find(node.text, names.openings)]
-            name = Node(joint, node.line)
-        except KeyError:
-            pass
-        full = place.reference(name, "joints")
+        names, joint, number = place.names, node, None
+        with suppress(KeyError):  # the name of one of a joint's openings
+            name, number = names.openings[place.context.find(node.text, names.openings)]
+            joint = Node(name, node.line)
+        full = place.reference(joint, "joints")
         type = names.types.get(full, "")
         if not type:  # the joint itself has a problem, already reported
             raise SkippedError(full)

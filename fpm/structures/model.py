@@ -152,9 +152,15 @@ class FileStatements:
     # -- names --------------------------------------------------------------------------------
 
     def _register(self, sheet: Sheet) -> None:
-        """Note which names there are."""
+        """Note which names there are, that of a unit's number first."""
         if "index" in sheet.table.entries and sheet.number:
-            self._index(sheet, sheet.table.entries["index"])
+            index, key = sheet.table.entries["index"], f"{sheet.key}.index"
+            name = index.text
+            if name in self.names.numbers:
+                self.problems.say(index.line, f"{key}: the name {name} is defined twice")
+            elif self.names.allows(name, key, index.line, "let"):
+                number = NamedNumber(key, index.line, NUMBER, whole=True, count=float(sheet.number))
+                self.names.numbers[sheet.context.prefix + name] = number
         for group in ("let", "points", *GROUPS):
             node = table_at(sheet.table, group, sheet.key, self.problems)
             for name, line in node.lines.items():
@@ -190,15 +196,6 @@ class FileStatements:
                 if node.entries[name].text:  # of vectors
                     targets = {f"point {full}": length._replace(vector=True)}
                 numbers.update({n: NamedNumber(key, line, power) for n, power in targets.items()})
-
-    def _index(self, sheet: Sheet, node: Node) -> None:
-        """The number of a unit under the name that the file gives it."""
-        name, key = node.text, f"{sheet.key}.index"
-        if name in self.names.numbers:
-            self.problems.say(node.line, f"{key}: the name {name} is defined twice")
-        elif self.names.allows(name, key, node.line, "let"):
-            number = NamedNumber(key, node.line, NUMBER, whole=True, count=float(sheet.number))
-            self.names.numbers[sheet.context.prefix + name] = number
 
     def _define(self, sheet: Sheet) -> None:
         """Tie the numbers under `let` and the points' coordinates to their expressions."""

@@ -199,12 +199,12 @@ class Names:
         with suppress(KeyError):
             return place.context.find(name, self.numbers)
         if name in UNIT_VECTORS:
-            return self._derive(f"axis {name}", UNIT_VECTORS[name], {}, place.key, line)
+            return self._derive(f"axis {name}", UNIT_VECTORS[name], {}, place, line)
         points = self.groups.get("points", {})
         with suppress(KeyError):
             point = place.context.find(name, points)
             parts = {axis: f"{point}.{axis}" for axis in UNIT_VECTORS}
-            return self._derive(f"point {point}", "[x, y, z]", parts, place.key, line)
+            return self._derive(f"point {point}", "[x, y, z]", parts, place, line)
         base, _, axis = name.rpartition(".")
         if not base or axis not in UNIT_VECTORS:
             raise KeyError(name)
@@ -212,14 +212,14 @@ class Names:
             full = f"point {place.context.find(base, points)}"
         except KeyError:
             full = self.find_number(base, place, line)
-        unit_vector = self._derive(f"axis {axis}", UNIT_VECTORS[axis], {}, place.key, line)
+        unit_vector = self._derive(f"axis {axis}", UNIT_VECTORS[axis], {}, place, line)
         names = {axis: unit_vector, base: full}
-        return self._derive(f"{full} {axis}", f"dot({base}, {axis})", names, place.key, line)
+        return self._derive(f"{full} {axis}", f"dot({base}, {axis})", names, place, line)
 
-    def _derive(self, full: str, text: str, names: dict[str, str], key: str, line: int) -> str:
+    def _derive(self, full: str, text: str, names: dict, place: "Place", line: int) -> str:
         """Note the number or vector `full` of others, unless it is there; returns `full`."""
         if full not in self.numbers:
-            self.numbers[full] = NamedNumber(key, line, bound=Bound(parse(text), names))
+            self.numbers[full] = NamedNumber(place.key, line, bound=Bound(parse(text), names))
             if self._is_sorted:
                 self.order.append(full)
                 self._measure(full)
@@ -289,9 +289,9 @@ class Place:
         """The file's problems, where what is wrong is noted."""
         return self.names.problems
 
-    def child(self, *keys: str) -> "Place":
-        """Return the place of a key below this one. keys: names on the way to it, its own last."""
-        return replace(self, key=join_key(self.key, *keys))
+    def child(self, key: str) -> "Place":
+        """Return the place of a key below this one."""
+        return replace(self, key=join_key(self.key, key))
 
     def refuse(self, node: Node, allowed: str) -> None:
         """Note that `node` is not allowed (allowed: in words), and raise SkippedError."""

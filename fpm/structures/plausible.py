@@ -114,14 +114,8 @@ def warnings(scene: Scene, duration: float | None = None) -> list[str]:
     """Return sentences on what a scene has that is allowed but hardly meant, at most 6, and one on
     how many more there are. duration: of the run (s), to tell what comes after its end; None:
     unknown."""
-    checks = _sizes, _boxes, _thin, _support, _start, _loose, _rigid, _stuck
+    checks = _sizes, _boxes, _thin, _support, _start, _loose, _rigid, _stuck, _bearings, _tables
     sentences = scene.doubts + [sentence for check in checks for sentence in check(scene)]
-    moving = {friction.hinge for friction in Friction.find(scene) if friction.load is not None}
-    sentences += [
-        f"bearing of {scene.hinges[hinge].name}: without a `load` it counts in margins only"
-        for hinge in sorted(scene.bearings.keys() - moving)
-    ]
-    sentences += _tables(scene)
     for latch in Latch.find(scene):
         sentences += _latch(scene, latch, duration)
     for release in Release.find(scene):
@@ -191,13 +185,16 @@ def _thin(scene: Scene) -> Iterator[str]:
     """Bodies without width that something on a joint turns about themselves."""
     for number in sorted(_active_hinges(scene)):
         hinge = scene.hinges[number]
+        if hinge.slides:
+            continue
         axis, point = _line(scene, hinge)
-        for name, particle in scene.bodies.items() if not hinge.slides else ():
+        for name, particle in scene.bodies.items():
+            if particle not in hinge.particles:
+                continue
             distance = np.linalg.norm(np.cross(axis, scene.position[particle] - point))
             shares = (axis @ scene.frame[particle]) ** 2
             inertia = shares @ scene.inertia[particle] + scene.mass[particle] * distance**2
-            is_its = particle in [beam.particle for beam in hinge.beams]
-            if is_its and inertia < 1e-5 * scene.inertia[particle].max():
+            if inertia < 1e-5 * scene.inertia[particle].max():
                 yield (
                     f"body {name} has no width, and what acts on joint {hinge.name} turns it about "
                     "its own axis: give it a `diameter`, or an inertia about that"
@@ -313,6 +310,12 @@ def _support(scene: Scene) -> Iterator[str]:
         yield "nothing holds it, neither a support nor a joint with the ground: it falls, or drifts"
 
 
+def _bearings(scene: Scene) -> Iterator[str]:
+    moving = {friction.hinge for friction in Friction.find(scene) if friction.load is not None}
+    for hinge in sorted(scene.bearings.keys() - moving):
+        yield f"bearing of {scene.hinges[hinge].name}: without a `load` it counts in margins only"
+
+
 def _tables(scene: Scene) -> Iterator[str]:
     """Struts that are not within their table at the start, where a force of its end acts."""
     for strut in Strut.find(scene):
@@ -343,16 +346,7 @@ def _latch(scene: Scene, latch: Latch, duration: float | None) -> Iterator[str]:
             f"{opening_text(hinge, start)}, and can be caught on the way back only: take `side: "
             f"{start_side}`"
         )
-    yield from _drive(scene, latch.hinge, travel, head, duration)
-
-
-def _drive(scene: Scene, number: int, travel: float, head: str, duration) -> Iterator[str]:
-    """Describe what keeps the springs on a hinge from moving it by `travel` (rad, m) to `head`."""
-    actions = [e for e in _actions(scene) if number in e.acts_on()]
-    springs = [e for e in actions if e.acts_as == "spring"]
-    is_led = not {"motor", "loop", "release"}.isdisjoint(e.acts_as for e in actions)
-    if springs and abs(travel) >= 1e-9 and not is_led:
-        yield from _springs(scene, scene.hinges[number], springs, travel, head, duration)
+    yield from _springs(scene, latch.hinge, travel, head, duration)
 
 
 def _release(scene: Scene, release: Release, duration: float | None) -> Iterator[str]:
@@ -382,7 +376,7 @@ def _release(scene: Scene, release: Release, duration: float | None) -> Iterator
         yield f"{head}: take a level before that{end}"
         return
     travel = release.level - hinge.opening
-    texts = _drive(scene, release.watch, travel, f"the {level} that {head} waits for", duration)
+    texts = _springs(scene, release.watch, travel, f"the {level} that {head} waits for", duration)
     yield from (f"{text}{end}" for text in texts)
 
 
@@ -412,8 +406,15 @@ def find_barrier(scene: Scene, number: int, level: float, part: float = 1.0) -> 
     return ""
 
 
-def _springs(scene, hinge, springs, travel: float, head: str, duration) -> Iterator[str]:
-    """Describe what keeps springs alone from moving a hinge by `travel` to a latch, `head`."""
+def _springs(scene: Scene, number: int, travel: float, head: str, duration) -> Iterator[str]:
+    """Describe what keeps the springs on a hinge, where nothing else leads it, from moving it by
+    `travel` (rad, m) to a latch or level, `head`. number: index of the hinge."""
+    actions = [e for e in _actions(scene) if number in e.acts_on()]
+    springs = [e for e in actions if e.acts_as == "spring"]
+    is_led = not {"motor", "loop", "release"}.isdisjoint(e.acts_as for e in actions)
+    if not springs or abs(travel) < 1e-9 or is_led:
+        return
+    hinge = scene.hinges[number]
     start, end = hinge.opening, hinge.opening + travel
     push, end_push = (sum(_moment(spring, x) for spring in springs) for x in (start, end))
     unit = "N" if hinge.slides else "N m"

@@ -67,7 +67,10 @@ def read_text(path: str | Path) -> str:
         if isinstance(error, UnicodeDecodeError):
             line = error.object.count(b"\n", 0, error.start) + 1
             reason = f"line {line} is no text in UTF-8; allowed: a YAML file, saved as UTF-8"
-        reason += search_hint(path) if isinstance(error, FileNotFoundError) else ""
+        if isinstance(error, FileNotFoundError):  # where it was sought, and a similar name there
+            folder = next(p for p in Path(path).absolute().parents if p.is_dir())
+            names = map(os.path.relpath, sorted(folder.glob("*.yaml")))
+            reason += f" in {folder}{did_you_mean(str(path), names)}"
         if "\n" in str(path):
             lines, path = len(str(path).splitlines()), str(path).splitlines()[0]
             reason = f"{lines} lines of text are no path; allowed: a path, or a dict of sections"
@@ -75,13 +78,6 @@ def read_text(path: str | Path) -> str:
             reason = "it is a folder; allowed: a YAML file"
         problem = Problem(0, f"the file cannot be read: {reason}")
         raise StructureError(repr(path) if "\0" in str(path) else str(path), [problem]) from None
-
-
-def search_hint(path: str | Path) -> str:
-    """Tell in which folder a file that is not there was looked for, and a similar name there."""
-    folder = next(p for p in Path(path).absolute().parents if p.is_dir())
-    hint = did_you_mean(str(path), map(os.path.relpath, sorted(folder.glob("*.yaml"))))
-    return f" in {folder}{hint}"
 
 
 class SkippedError(Exception):
@@ -140,10 +136,12 @@ class Problems:
 
     def say(self, line: int, sentence: str) -> None:
         """Note a problem on a line (from 1; 0: none); sentence: what is wrong, first its key."""
-        text = re.sub(r"\d[\d.e+-]*", "", sentence) if sentence.startswith("repeat.") else sentence
-        cause = text.partition(": ")[2].partition(";")[0]
-        is_name = cause.startswith("there is no ") and "'" in cause  # wherever it is used
-        key = (0, cause) if is_name else (line, text)
+        text = sentence
+        if sentence.startswith("repeat."):  # those of its units differ in numbers only
+            text = re.sub(r"\d[\d.e+-]*", "", sentence)
+        key, cause = (line, text), text.partition(": ")[2].partition(";")[0]
+        if cause.startswith("there is no ") and "'" in cause:  # wherever the name is used
+            key = 0, cause
         self._problems.setdefault(key, Problem(line, sentence))
 
     def refuse(self, line: int, key: str, value: object, allowed: str, hint: str = "") -> None:
@@ -253,11 +251,12 @@ def _why_not_yaml(error: Exception, text: str) -> tuple[int, str]:
 
 def _reason(error: yaml.MarkedYAMLError) -> tuple[yaml.Mark | None, str]:
     """Describe where and why a text is not YAML, from PyYAML's error."""
+    start, end = error.context_mark, error.problem_mark
     problem = ", ".join(part for part in (error.context, error.problem) if part)
-    for pattern, is_context, words in _NOT_YAML:
+    for pattern, is_at_start, words in _NOT_YAML:
         if re.search(pattern, problem):
-            return (is_context and error.context_mark) or error.problem_mark, words
-    return error.problem_mark or error.context_mark, problem
+            return start if start and is_at_start else end, words
+    return end or start, problem
 
 
 class _Types(yaml.constructor.SafeConstructor, yaml.resolver.Resolver):
@@ -280,10 +279,6 @@ class _Types(yaml.constructor.SafeConstructor, yaml.resolver.Resolver):
         node = yaml.ScalarNode(tag, event.value, event.start_mark)
         return self.construct_object(node, deep=True)
 
-    def whole(self, node: yaml.ScalarNode) -> int:
-        """Return the whole number of a node."""
-        return int(node.value, 16 if node.value.startswith("0x") else 10)
-
 
 _INT = r"[-+]?\d[\d_]*$|0x[\da-fA-F]+$"
 _FLOAT = (
@@ -291,7 +286,10 @@ _FLOAT = (
 )
 for _tag, _form in {"int": _INT, "float": _FLOAT}.items():
     _Types.add_implicit_resolver(f"tag:yaml.org,2002:{_tag}", re.compile(_form), [*"-+0123456789."])
-_Types.add_constructor("tag:yaml.org,2002:int", lambda types, node: types.whole(node))
+_Types.add_constructor(
+    "tag:yaml.org,2002:int",
+    lambda types, node: int(node.value, 16 if node.value.startswith("0x") else 10),
+)
 
 
 _PLAIN = ("!", "tag:yaml.org,2002:map", "tag:yaml.org,2002:seq")
@@ -362,14 +360,15 @@ class _Reader:
         return takewhile(lambda e: not isinstance(e, yaml.CollectionEndEvent), self.events)
 
     def _value(self, event: yaml.ScalarEvent, line: int, is_key: bool) -> Any:
-        """Return a scalar: its text if the file has no types, or if it is a key or a name without
-        quotes; else what its type makes of it. None if it cannot be read, which is a problem."""
+        """Return a scalar, the value of `self.key` unless it is a key itself: its text if the file
+        has no types, or if it is a key or a name without quotes; else what its type makes of it.
+        None if it cannot be read, which is a problem."""
         if is_key or (self.types and self.key != "file"):
             event.value = fold_name(event.value)  # names are equal in any spelling of their letters
+        is_name = (is_key or self.key in self.names) and event.implicit[0]
+        if is_name or not self.types:
+            return event.value.strip()
         try:
-            is_text = (is_key or self.key in self.names) and event.implicit[0]
-            if is_text or not self.types:
-                return event.value.strip()
             return self.types.value(event)
         except (ValueError, ArithmeticError, LookupError, TypeError, AttributeError) as error:
             self.problems.say(line, f"a value cannot be read: {error}")

@@ -1,11 +1,10 @@
 """Samples of a structure: the values of its parameters become a scene.
 
 Where values differ in what acts only (springs, cables, motions), all else is built once, for a
-first sample, and the others share it (`SampleGroup`). Else each is built on its own."""
+first sample, and the others share it (`share_parts`). Else each is built on its own."""
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from copy import copy
-from typing import Any
 
 import numpy as np
 
@@ -84,12 +83,10 @@ def _place(build: Builder, model: FileStatements) -> dict[str, np.ndarray]:
     """Store the points of a sample; returns their positions (3,), m, by name."""
     positions = {}
     for name in model.points:
-        place = build.numbers.get(f"point {name}")
-        axes: Any = place
-        if place is None:
-            axes = [build.numbers.get(f"{name}.{axis}") for axis in "xyz"]
-        if place is not None or None not in axes:
-            positions[name] = np.array(axes)
+        axes = [build.numbers.get(f"{name}.{axis}") for axis in "xyz"]
+        place = build.numbers.get(f"point {name}", None if None in axes else axes)
+        if place is not None:
+            positions[name] = np.array(place)
             build.store("points", name, Point(name, positions[name]))
     if positions:
         build.size = float(np.ptp(list(positions.values()), axis=0).max())
@@ -113,9 +110,8 @@ def _scene(build: Builder, model: FileStatements) -> Scene:
 
 def build_entry(build: Builder, entry: Entry) -> None:
     """Add what an entry states to a sample, or note why it cannot be."""
-    count0 = len(build.scene.position)
-    is_counted = entry.statement.group in LATE_GROUPS
-    counts = {k: len(elements) for k, elements in build.scene.kinds.items()} if is_counted else {}
+    group, count0 = entry.statement.group, len(build.scene.position)
+    counts = {kind: len(elements) for kind, elements in build.scene.kinds.items()}
     try:
         values = entry.values(build)
         value = entry.statement.build(build, values)
@@ -127,11 +123,12 @@ def build_entry(build: Builder, entry: Entry) -> None:
     except (ArithmeticError, np.linalg.LinAlgError) as error:
         _note(build, entry.line, entry.key, SceneError("", str(error), "possible numbers"))
         return
-    build.scene.doubts += find_doubts(entry.statement.group, values, build.size)
-    kinds = build.scene.kinds.items() if is_counted else ()
-    new = [(k, i) for k, elements in kinds for i in range(counts.get(k, 0), len(elements))]
-    build.additions[entry.statement.group, entry.name] = new
-    if entry.statement.group == "actions":
+    build.scene.doubts += find_doubts(group, values, build.size)
+    new: list[tuple[type, int]] = []
+    for kind, elements in build.scene.kinds.items() if group in LATE_GROUPS else ():
+        new += [(kind, i) for i in range(counts.get(kind, 0), len(elements))]
+    build.additions[group, entry.name] = new
+    if group == "actions":
         build.scene.action_names |= dict.fromkeys(new, entry.name)
     if word := vars(values).get("class"):
         classes = build.scene.classes if word == "S" else {}  # hysteresis of a spring is hysteresis
@@ -139,7 +136,7 @@ def build_entry(build: Builder, entry: Entry) -> None:
     if isinstance(value, Body):
         value.particles = np.arange(count0, len(build.scene.position))
         build.store("parts", entry.name, value)
-    build.store(entry.statement.group, entry.name, value)
+    build.store(group, entry.name, value)
 
 
 def _assemble(build: Builder, model: FileStatements) -> None:
@@ -185,16 +182,16 @@ def finish(build: Builder, model: FileStatements) -> None:
             return
     _check_rates(build, model)
     parts = [entry for entry in model.entries if entry.statement.group in PARTS]
-    motions = (entry.uses for entry in model.entries if entry.statement.group == MOTIONS)
-    free = frozenset().union(*motions)
+    moving: set[str] = set()
+    for entry in model.entries:
+        if entry.statement.group == MOTIONS:
+            moving |= entry.uses
     for entry in parts if len(parts) > 1 else ():
         particles = build.find("parts", entry.name).particles
         is_held = build.joints_of.keys() & particles.tolist() or scene.fixed[particles].any()
-        if not (is_held or f"parts:{entry.name}" in free):
-            allowed = (
-                "parts with a joint, a cable, a strut, a support, a drive or initial_velocities"
-            )
-            text = f"{entry.key}: nothing joins it to anything; allowed: {allowed}"
+        if not (is_held or f"parts:{entry.name}" in moving):
+            text = f"{entry.key}: nothing joins it to anything; allowed: parts with a joint, a "
+            text += "cable, a strut, a support, a drive or initial_velocities"
             build.problems.say(entry.line, text)
 
 
@@ -232,73 +229,74 @@ def _note(build: Builder, line: int, key: str, error: SceneError) -> None:
     build.problems.refuse(line, key, error.value, error.allowed)
 
 
-class SampleGroup:
-    """Builds samples whose values differ from those of a first in some `parameters` only, to the
-    bits of one by one. values: of the first (SI units)."""
+def share_parts(
+    model: FileStatements, values: Mapping[str, float], parameters: Collection[str]
+) -> Callable[[Mapping[str, float]], Scene | None]:
+    """Return a function of the values of a sample (SI units, by name) that differ from `values`,
+    those of a first one, in some `parameters` only. It returns the sample's scene, to the bits of
+    `build_sample`, with arrays shared by all samples; None: build it on its own, as one that is
+    refused, or has other elements."""
+    dependents = model.names.dependents(parameters)
+    numbers = [name for name in model.names.order if name in dependents]
+    entries = _entries_of(model, dependents)
+    if entries is None:
+        return lambda values: None
+    first = build_sample(model, values, first_problems := Problems(""))
+    if first_problems:
+        return lambda values: None
+    for array in vars(first.scene).values():
+        if isinstance(array, np.ndarray):
+            array.flags.writeable = False
+    is_moved = any(entry.statement.group == MOTIONS for entry in entries)
 
-    def __init__(
-        self, model: FileStatements, values: Mapping[str, float], parameters: Collection[str]
-    ):
-        names, numbers = model.names, model.names.dependents(parameters)
-        self._model, self._numbers = model, [name for name in names.order if name in numbers]
-        self._entries = _dependents(model, numbers)
-        if self._entries is None:
-            return
-        self._first = build_sample(model, values, problems := Problems(""))
-        self._entries = None if problems else self._entries
-        for array in vars(self._first.scene).values():
-            if isinstance(array, np.ndarray):
-                array.flags.writeable = False
-
-    def build(self, values: Mapping[str, float]) -> Scene | None:
-        """Return the scene at values of parameters by name (SI units), with arrays shared by all
-        samples; None: build it on its own, as one that is refused, or has other elements."""
-        if (entries := self._entries) is None:
-            return None
-        build, problems, first_scene = copy(self._first), Problems(""), self._first.scene
-        build.problems, build.additions = problems, {}
-        build.numbers, scene = dict(build.numbers), copy(first_scene)
-        build.scene, scene.doubts = scene, list(first_scene.doubts)
-        kinds = {kind: list(elements) for kind, elements in first_scene.kinds.items()}
+    def build(values: Mapping[str, float]) -> Scene | None:
+        sample, scene, problems = copy(first), copy(first.scene), Problems("")
+        sample.problems, sample.scene, sample.additions = problems, scene, {}
+        sample.numbers, scene.doubts = dict(first.numbers), list(first.scene.doubts)
+        kinds = {kind: list(elements) for kind, elements in first.scene.kinds.items()}
+        if is_moved:
+            scene.velocity, scene.spin = scene.velocity.copy(), scene.spin.copy()
         with np.errstate(all="ignore"):
-            find_numbers(build, self._model, values, self._numbers)
-            is_moved = any(entry.statement.group == MOTIONS for entry in entries)
-            if is_moved:
-                scene.velocity, scene.spin = first_scene.velocity.copy(), first_scene.spin.copy()
+            find_numbers(sample, model, values, numbers)
             for entry in entries:
-                elements = self._first.additions[entry.statement.group, entry.name]
-                first: dict[type, int] = {}
+                elements = first.additions[entry.statement.group, entry.name]
+                counts: dict[type, int] = {}
                 for kind, i in elements:
-                    first.setdefault(kind, i)
+                    counts.setdefault(kind, i)
                 # Without these, and those of their types that come later.
-                scene.kinds = {k: x[: first.get(k, len(x))] for k, x in kinds.items()}
-                build_entry(build, entry)
-                if problems or build.additions[entry.statement.group, entry.name] != elements:
+                scene.kinds = {k: x[: counts.get(k, len(x))] for k, x in kinds.items()}
+                build_entry(sample, entry)
+                if problems or sample.additions[entry.statement.group, entry.name] != elements:
                     return None
                 for kind, i in elements:
                     kinds[kind][i] = scene.kinds[kind][i]
             scene.kinds = kinds
             if is_moved:
-                finish(build, self._model)
-        return None if problems or scene.doubts != first_scene.doubts else scene
+                finish(sample, model)
+        return None if problems or scene.doubts != first.scene.doubts else scene
+
+    return build
 
 
-def _dependents(model: FileStatements, numbers: set[str]) -> list[Entry] | None:
-    """Entries that depend on numbers, in the order in which they are built; None where they are not
-    of those that may be built again. numbers: their names."""
+def _entries_of(model: FileStatements, numbers: set[str]) -> list[Entry] | None:
+    """Return the entries that depend on numbers, by name, in the order in which they are built;
+    None where one of them may not be built again."""
     points = {f"{name}.{axis}" for name in model.points for axis in "xyz"}
     points |= {f"point {name}" for name in model.points}
+    has_rates = any(entry.statement.group == "opening_rates" for entry in model.entries)
+    if "start" in model.overall.read or has_rates or not points.isdisjoint(numbers):
+        return None
     entries, uses = [], set(numbers)
     for entry in sorted(model.entries, key=lambda entry: entry.statement.type == "release"):
+        group = entry.statement.group
         if not entry.uses.isdisjoint(uses):
+            if group not in (*LATE_GROUPS, MOTIONS) or entry.statement.type == "bearing":
+                return None
             entries.append(entry)
-            uses.add(f"{entry.statement.group}:{entry.name}")
-    motions = [entry for entry in model.entries if entry.statement.group == MOTIONS]
+            uses.add(f"{group}:{entry.name}")
+    if not model.overall.uses.isdisjoint(uses):
+        return None
+    # Motions are built last, and all if one is: a later one replaces an earlier one of its part.
     actions = [entry for entry in entries if entry.statement.group != MOTIONS]
-    is_whole = "start" in model.overall.read or not model.overall.uses.isdisjoint(uses)
-    has_rates = any(entry.statement.group == "opening_rates" for entry in model.entries)
-    if is_whole or has_rates or not points.isdisjoint(uses):
-        return None
-    if any(e.statement.group not in LATE_GROUPS or e.statement.type == "bearing" for e in actions):
-        return None
-    return actions + (motions if len(actions) < len(entries) else [])
+    motions = [entry for entry in model.entries if entry.statement.group == MOTIONS]
+    return actions if len(actions) == len(entries) else actions + motions

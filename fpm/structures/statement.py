@@ -250,7 +250,9 @@ def _read_keys(
     statement: Statement, slides: list[str], node: Node, line: int, place: Place
 ) -> dict[str, BuildValue]:
     """Return the values of an entry's keys by name; SkippedError if any is wrong."""
-    keys, is_sound, read, corrections = statement.for_slides(slides), True, {}, set()
+    keys, is_sound = statement.for_slides(slides), True
+    read: dict[str, BuildValue] = {}
+    corrections: set[str] = set()  # keys that misspelt ones stand for
     allowed = [*(["type"] if statement.type else []), *keys]
     for key, entry in node.entries.items():
         if key in keys:

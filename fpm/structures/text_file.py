@@ -37,7 +37,7 @@ from fpm.structures.reading import (
     read,
     read_text,
 )
-from fpm.structures.sample import SampleGroup, build_sample, find_numbers
+from fpm.structures.sample import build_sample, find_numbers, share_parts
 from fpm.structures.statement import Statement
 from fpm.structures.statements import GROUPS
 
@@ -73,8 +73,9 @@ def find_turns(
     extremes, knots, bends = set(), set(), set()
     for k, (series, size) in enumerate(zip(values.T, np.abs(values).max(axis=0), strict=True)):
         function = lambda x, k=k: evaluate(x)[k]  # noqa: E731
+        # Extremes: between steps of unlike signs, with none between them but where it is flat.
         steps = np.diff(series)
-        rows = np.flatnonzero(np.abs(steps) > ROUNDING * size)  # not where it is flat
+        rows = np.flatnonzero(np.abs(steps) > ROUNDING * size)
         turns = np.flatnonzero(np.diff(np.sign(steps[rows])))
         places = dict(zip(grid, series, strict=True))
         for first, last in zip(rows[turns], rows[turns + 1] + 1, strict=True):
@@ -83,11 +84,13 @@ def find_turns(
             x = minimize_scalar(loss, bounds=bounds, method="bounded", options=options).x
             extremes.add(x)
             places[x] = function(x)
+        # Knots: roots between neighbouring places, extremes among them.
         signs = [(x, np.sign(y)) for x, y in sorted(places.items())] if borders[k] else []
         for (start, sign), (end, next_sign) in pairwise(signs):
             if sign != next_sign and sign * next_sign <= 0:
                 with suppress(ValueError):  # no number between
                     knots.add(brentq(function, start, end, xtol=1e-15 * width))
+        # Bends: the slope changes much more than on both sides; the first of neighbouring places.
         change = np.abs(np.diff(steps))
         sides = np.abs(change[:-4]) + np.abs(change[4:])
         sharp = change[2:-2] > SHARP * sides + ROUNDING * size
@@ -148,8 +151,8 @@ class _File:
         model = self._model(first, problems := Problems(self.source))
         if problems or any(self.parameters[name].parameter.is_whole for name in names):
             return lambda sample: None
-        group = SampleGroup(model, first, names)
-        return lambda sample: group.build(self._values(sample))
+        build = share_parts(model, first, names)
+        return lambda sample: build(self._values(sample))
 
     def find_turns(self, parameters: Mapping, name: str, lower: float, upper: float) -> list[float]:
         """Values between two of one parameter at which an expression that depends on it, or a part
@@ -157,13 +160,14 @@ class _File:
         model = self._model(self._values(parameters), Problems(self.source))
         names, numbers = model.names, model.names.dependents([name])
         order = [number for number in names.order if number in numbers]
-        pairs = ((b, b.full.values()) for b in names.bounds)
-        bounds = {(b.expression.text, *x): b for b, x in pairs if not numbers.isdisjoint(x)}
-        functions = [
-            (part, b.full, part in b.expression.borders)
-            for b in bounds.values()
-            for part in (b.expression.value, *b.expression.parts)
-        ]
+        bounds = {}  # each expression once that depends on the parameter
+        for bound in names.bounds:
+            if not numbers.isdisjoint(bound.full.values()):
+                bounds[bound.expression.text, *bound.full.values()] = bound
+        functions = []
+        for bound in bounds.values():
+            for part in (bound.expression.value, *bound.expression.parts):
+                functions.append((part, bound.full, part in bound.expression.borders))
         build = Builder(Problems(self.source))
         find_numbers(build, model, self._values(parameters), names.order)
 
@@ -300,10 +304,20 @@ def _parameter(key: str, line: int, node: Node, problems: Problems) -> GivenPara
         problems.say(node.lines["unit"], f"{key}.unit: {error}")
         return None
     value = _number(f"{key}.value", node.entries["value"], parameter_unit, problems)
-    ends = _range(f"{key}.range", node.entries.get("range"), parameter_unit, problems)
-    if value is None or ends is None:
+    least, most = -math.inf, math.inf
+    if (ends := node.entries.get("range")) is not None:
+        allowed = "[lowest, highest]"
+        if len(ends.items) == 2:
+            low, high = (_number(f"{key}.range", x, parameter_unit, problems) for x in ends.items)
+            if low is None or high is None:
+                return None
+            least, most, allowed = low, high, "the lowest value first"
+        if len(ends.items) != 2 or least > most:
+            problems.refuse(ends.line, f"{key}.range", ends.plain, allowed)
+            return None
+    if value is None:
         return None
-    is_whole, (least, most) = whole == "true", ends
+    is_whole = whole == "true"
     if is_whole and value == round(value):
         value = round(value)
     limits: Any = {"unit": parameter_unit.udunits, "least": least, "most": most}
@@ -329,24 +343,6 @@ def _number(key: str, node: Node, symbol: Unit, problems: Problems) -> float | N
         allowed = f"{allowed}: {error}" if node.text and not hint else allowed
     problems.refuse(node.line, key, node.plain, allowed, hint)
     return None
-
-
-def _range(
-    key: str, node: Node | None, symbol: Unit, problems: Problems
-) -> tuple[float, float] | None:
-    """Both ends of a range, infinite without one."""
-    if node is None:
-        return -math.inf, math.inf
-    if len(node.items) != 2:
-        problems.refuse(node.line, key, node.plain, "[lowest, highest]")
-        return None
-    low, high = (_number(key, item, symbol, problems) for item in node.items)
-    if low is None or high is None:
-        return None
-    if low > high:
-        problems.refuse(node.line, key, node.plain, "the lowest value first")
-        return None
-    return low, high
 
 
 def schema() -> dict[str, Any]:

@@ -12,7 +12,7 @@ import math
 from bisect import bisect_left, bisect_right
 from collections.abc import Callable, Sequence
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -220,15 +220,16 @@ class _Sweep:
 
     def __init__(self, scene, path: Path, first: float, last: float, spacing: float):
         self._scene, self._path, self._first, self._travel = scene, path, first, last - first
-        self._parts = [VirtualWork(scene, part) for part in components_of(scene)]
+        components = components_of(scene)
+        self._parts = [VirtualWork(scene, part) for part in components]
         steps = 1 + math.ceil(abs((first - path.opening) / spacing))
         for value in np.linspace(path.opening, first, steps):
             path.move_to(float(value))
             for part in self._parts:  # openings count whole turns between positions
-                part.compute_work(path.poses, path.tangent)
+                part.compute(path.poses, path.tangent)
         path.check()
         self._elements = [*path.balance.sources, *(s for part in self._parts for s in part.sources)]
-        self.names = [part.name for part in components_of(scene)]
+        self.names = [part.name for part in components]
         self.names += [bearing_name(scene, hinge) for hinge in scene.bearings]
         self.works, self.largest = len(self.names), TINY
         frictions = {friction.hinge for friction in Friction.find(scene) if not friction.is_exact}
@@ -245,10 +246,11 @@ class _Sweep:
         tangent = np.sign(self._travel) * path.tangent
         motion = APPROACH * abs(self._travel) * tangent
         poses_before = [path.poses.displace(-factor * motion) for factor in (1.0, 0.5)]
+        row, friction = [], np.zeros(len(tangent))
         for part in self._parts:
-            part.approach(poses_before)
-        row = [part.compute_work(path.poses, tangent) for part in self._parts]
-        friction: Any = sum((p.friction_forces() for p in self._parts), np.zeros(len(tangent)))
+            work, forces = part.compute(path.poses, tangent, poses_before)
+            row.append(work)
+            friction = friction + forces
         row += path.compute_bearing_work(friction)
         row.append(path.balance.bars.energy(path.poses))
         motion = tangent.reshape(-1, 2, 3)
@@ -275,7 +277,11 @@ class _Sweep:
 def _add_bends(scene, samples: SampledTravel, openings: int) -> None:
     """Add positions at which forces of elements bend, and at which joints with friction reverse.
     openings: first column of the samples' values with openings; rates of joints follow them."""
-    bends = [(openings + hinge, angle) for hinge, angle in sorted(set(_bends(scene)))]
+    angles = [(e.hinge, a) for k in (TableSpring, Friction) for e in k.find(scene)
+              for a in e.angles]  # fmt: skip
+    angles += [(element.hinge, element.angle) for k in (Stop, Latch) for element in k.find(scene)]
+    angles += [(contact.hinge, 0.0) for contact in Contact.find(scene)]
+    bends = [(openings + hinge, angle) for hinge, angle in sorted(set(angles))]
     rates = openings + len(scene.hinges)
     sizes = np.abs(np.array(samples.values)[:, rates:]).max(axis=0)
     # What rests turns by rounding.
@@ -305,10 +311,3 @@ def _root(function: Callable[[float], float], ends, values) -> float:
         a, value_a = (b, value_b) if value * value_b < 0 else (a, 0.5 * value_a)
         b, value_b = root, value
     return root
-
-
-def _bends(scene) -> list[tuple[int, float]]:
-    """Hinges by index, with openings at which a moment on them bends or jumps."""
-    bends = [(e.hinge, a) for k in (TableSpring, Friction) for e in k.find(scene) for a in e.angles]
-    bends += [(e.hinge, e.angle) for k in (Stop, Latch) for e in k.find(scene)]
-    return bends + [(contact.hinge, 0.0) for contact in Contact.find(scene)]

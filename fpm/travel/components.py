@@ -91,31 +91,28 @@ class VirtualWork:
     frames of all n particles). scene: the scene; part: the component."""
 
     def __init__(self, scene, part: Component):
-        self.is_difference, self.drags = part.baseline is not None, part.drags
-        elements = [*part.elements, *([part.baseline] if self.is_difference else [])]
+        self._part = part
+        elements = part.elements if part.baseline is None else (*part.elements, part.baseline)
         self.sources = [ElementForces(scene, [element]) for element in elements]
 
-    def approach(self, poses_before: Sequence[ParticlePoses]) -> None:
-        """Bring friction to steady slip before `compute_work`: move a component that only resists
-        along `poses_before`, of all n particles; other components stay."""
-        for poses in poses_before if self.drags else ():
-            for source in self.sources:
-                source.forces(poses)
-
-    def compute_work(self, poses: ParticlePoses, tangent: np.ndarray) -> float:
+    def compute(
+        self, poses: ParticlePoses, tangent: np.ndarray, path: Sequence[ParticlePoses] = ()
+    ) -> tuple[float, np.ndarray | float]:
         """Return the virtual work (N m, on slides N) at `poses` per unit of the opening, above 0
-        where it drives; of several elements the least, with a baseline the difference. tangent
-        (6n,): motion by that unit. The forces are kept for `friction_forces`."""
-        self._forces = np.array([source.forces(poses) for source in self.sources])
-        works = self._forces @ tangent
-        return float(works[0] - works[1] if self.is_difference else works.min())
-
-    def friction_forces(self) -> np.ndarray | float:
-        """Return forces and moments (6n,), N and N m, on all n particles that the last call of
-        `compute_work` found, if the component only resists, as friction does; else 0."""
-        if not self.drags:
-            return 0.0
-        return self._forces[0] - self._forces[1] if self.is_difference else self._forces[0]
+        where it drives; of several elements the least, with a baseline the difference. With it, if
+        the component only resists, as friction does, the forces and moments (6n,), N and N m, on
+        all n particles; else 0. tangent (6n,): motion by that unit; path: poses along which what
+        only resists is moved there first, to bring it to steady slip."""
+        for place in path if self._part.drags else ():
+            for source in self.sources:
+                source.forces(place)
+        forces = np.array([source.forces(poses) for source in self.sources])
+        works = forces @ tangent
+        if self._part.baseline is None:
+            work, force = works.min(), forces[0]
+        else:
+            work, force = works[0] - works[1], forces[0] - forces[1]
+        return float(work), force if self._part.drags else 0.0
 
 
 def components_of(scene) -> list[Component]:
@@ -128,16 +125,15 @@ def components_of(scene) -> list[Component]:
     action_counts = Counter(name for (k, _), name in scene.action_names.items() if k in kinds)
     bearings = {bearing_name(scene, hinge) for hinge in scene.bearings}
     for kind in kinds:
-        code = kind.resists_as
         pairs = zip(kind.names(scene), kind.sweep_elements(scene), strict=True)
         for i, (name, element) in enumerate(pairs):
             if (action := scene.action_names.get((kind, i))) and name not in bearings:
                 name = f"{action} ({name})" if action_counts[action] > 1 else action
             count[name] += 1
             name = f"{name} #{count[name]}" if count[name] > 1 else name
-            is_class = scene.classes.get((kind, i), code)
-            cases = _load_cases_of(scene, element)
-            components.append(Component(name, cases, is_class, code in DRAGS))
+            class_ = scene.classes.get((kind, i), kind.resists_as)
+            cases, drags = _load_cases_of(scene, element), kind.resists_as in DRAGS
+            components.append(Component(name, cases, class_, drags))
     for cable, smooth in zip(scene.cables, Cable.sweep_elements(scene), strict=True):
         if cable.has_friction:
             components.append(Component(_of_cable(scene, cable)[1], (cable,), "FR", True, smooth))

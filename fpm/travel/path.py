@@ -142,15 +142,16 @@ class Path(StaticEquations):
         state, tangents = self.state(), self._tangents
         low, high = sorted((state[1], value))
         is_past_jump = any(low <= jump <= high for jump in self._jumps)
+        is_unchecked = is_past_jump or not tangents or value == state[1]
         try:
             self._step(value)
-            if is_past_jump or not tangents or value == state[1] or self._stays(state, tangents):
+            if is_unchecked or self._stays(state, tangents):
                 return
             if depth == MAX_HALVINGS:  # whatever lies between, it jumps here
                 self._jumps.append(value)
                 return
         except MisfitError:
-            if is_past_jump or not tangents or value == state[1] or depth == MAX_HALVINGS:
+            if is_unchecked or depth == MAX_HALVINGS:
                 raise
         self.restore(state)
         self._tangents = tangents
@@ -191,7 +192,7 @@ class Path(StaticEquations):
             w / sum(weights) * t for w, t in zip(weights, self._tangents, strict=True)
         )
         poses = self.poses.displace(step * prediction) if self._tangents else self.poses
-        is_converged = False
+        was_small = False
         for _ in range(MAX_ITERATIONS):
             solve, gradient = self._equations(poses, conditions)
             gap_changes = -self._weight * conditions.gaps(poses)
@@ -202,15 +203,16 @@ class Path(StaticEquations):
             factor = min(1.0, FARTHEST / largest) if largest > 0 else 1.0
             poses = poses.displace(factor * self._scales * motion)
             self._impulses = self._impulses + factor * change
-            is_there = is_converged or (not self.scene.beams and largest <= RIGID_TOLERANCE)
             gap = np.abs(gap_changes).max(initial=0.0)
-            is_converged = largest <= MOTION_TOLERANCE and gap <= MOTION_TOLERANCE
-            if is_there and is_converged:
+            is_small = largest <= MOTION_TOLERANCE and gap <= MOTION_TOLERANCE
+            is_exact = not self.scene.beams and largest <= RIGID_TOLERANCE
+            if is_small and (was_small or is_exact):
                 self.poses, self.opening, self.tangent = poses, value, self._motion(solve)
                 self._solve, self._rows = solve, None
                 self._tangents = [self.tangent, *(self._tangents[:3] if step else [])]
                 self.balance.follow(poses)
                 return
+            was_small = is_small  # one more round, but where nothing is strained
         allowed = "openings that it can reach quasi-statically, with all joints closed;"
         allowed += " other openings that nothing decides may be `locked`"
         raise MisfitError(self._key, f"{value:.6g}", allowed)

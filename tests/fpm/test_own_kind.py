@@ -54,15 +54,14 @@ def test_its_events_and_what_it_records_are_in_the_file(outcome, tmp_path):
     np.testing.assert_allclose(outcome.events[:, 0], passes, atol=1e-5)
     assert outcome.events[:, 2].tolist() == [1, 0, 1]  # slackens first
     assert outcome.eventful == (("ground spring 0", ("stretches", "slackens"), "", None),)
-    fpm.trajectory.write(outcome.dataset(), tmp_path / "run.nc")
-    back = fpm.trajectory.read(tmp_path / "run.nc")
+    fpm.trajectory.write(fpm.trajectory.contents([outcome]), tmp_path / "runs.nc")
+    back = fpm.trajectory.read(tmp_path / "runs.nc").isel(run=0)
     assert np.array_equal(back.event_time, outcome.events[:, 0])
     assert back.event_names.values.tolist() == ["stretches slackens"]
     lengths = back.spring_length.sel(ground_spring="ground spring 0")
     np.testing.assert_allclose(lengths, back.position.sel(point="body", axis="x"), atol=1e-12)
     assert back.spring_length.units == "m"
     assert np.array_equal(back.ground_energy, outcome.energies["ground"])
-    fpm.trajectory.write(fpm.trajectory.contents([outcome]), tmp_path / "runs.nc")
     curves = fpm.trajectory.read_curves(tmp_path / "runs.nc")["0"]
     assert np.array_equal(curves.energies["ground"], outcome.energies["ground"])
 

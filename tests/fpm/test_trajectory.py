@@ -32,29 +32,29 @@ def outcome():
 
 
 @pytest.fixture
-def dataset(outcome):
-    responses = [fpm.responses.parse(n, d, BENNETT.sample) for n, d in DEFINITIONS.items()]
-    return outcome.dataset(responses, {"campaign": "0123"})
+def contents(outcome):
+    return fpm.trajectory.contents([outcome], {"campaign": "0123"})
 
 
-def test_responses_are_what_they_say(dataset):
+def test_responses_are_what_they_say(outcome):
+    dataset = outcome.dataset()
     apart = dataset.position.sel(point="B") - dataset.position.sel(point="D")
-    values = {name: dataset.response_values.sel(response=name) for name in DEFINITIONS}
+    responses = [fpm.responses.parse(n, d, BENNETT.sample) for n, d in DEFINITIONS.items()]
+    values = {response.name: response.evaluate(outcome) for response in responses}
     np.testing.assert_allclose(values["BD"], np.sqrt((apart**2).sum("axis")), rtol=1e-14)
     assert np.array_equal(values["vBz"], dataset.velocity.sel(point="B", axis="z"))
     assert np.array_equal(values["zA"], dataset.position.sel(point="A", axis="z"))
     assert np.array_equal(values["psi"], dataset.opening.sel(hinge="A"))
     assert np.array_equal(values["T"], np.maximum(dataset.kinetic_energy, 0.0))
-    assert dataset.attrs["responses"] == "BD vBz speed zA psi T U"
-    assert list(dataset.response_units.values) == ["m", "m s-1", "m s-1", "m", "rad", "J", "J"]
+    assert not values["U"].any()
+    assert [r.unit for r in responses] == ["m", "m s-1", "m s-1", "m", "rad", "J", "J"]
 
 
-def test_energies_that_the_structure_lacks_are_zero_and_take_no_room(outcome, dataset):
-    kept = {v.energy for v in dataset.values() if "energy" in v.attrs}
+def test_energies_that_the_structure_lacks_are_zero_and_take_no_room(outcome):
+    kept = {v.energy for v in outcome.dataset().values() if "energy" in v.attrs}
     assert kept == {"kinetic", "strain", "spring", "contact", "joint_loss", "balance"}
     assert kept == outcome.energies.keys() == set(BENNETT.energies)
     assert outcome.energies["cable"].tolist() == [0.0] * 11
-    assert not dataset.response_values.sel(response="U").any()
     with pytest.raises(KeyError, match="dark"):
         outcome.energies["dark"]
 
@@ -94,16 +94,18 @@ def test_what_rigid_bodies_do_not_have_is_refused():
             fpm.responses.parse("r", definition, scene)
 
 
-def test_a_file_comes_back_whole_and_tells_its_units(dataset, tmp_path):
+def test_a_file_comes_back_whole_and_tells_its_units(outcome, contents, tmp_path):
     path = tmp_path / "deep" / "run.nc"
-    fpm.trajectory.write(dataset, path)
+    fpm.trajectory.write(contents, path)
     back = fpm.trajectory.read(path)
-    assert back.identical(dataset)
+    assert back.attrs["campaign"] == "0123"
+    alone = back.isel(run=0).drop_vars(["run", "event_run"])
+    del alone.attrs["campaign"]
+    assert alone.identical(outcome.dataset())
     for name, variable in back.variables.items():
         assert variable.attrs["long_name"], name
-        # responses have several units, named in response_units, and gates those of joints
-        several = ("response_values", "event_gate")
-        has_units = variable.dtype.kind not in "UO" and name not in several
+        # gates have the units of joints
+        has_units = variable.dtype.kind not in "UO" and name != "event_gate"
         assert ("units" in variable.attrs) == has_units, name
     assert [p.name for p in path.parent.iterdir()] == ["run.nc"]
 
@@ -111,9 +113,8 @@ def test_a_file_comes_back_whole_and_tells_its_units(dataset, tmp_path):
 def test_runs_of_a_batch_are_one_dataset_with_their_names_and_parameters(tmp_path):
     scenes = [BENNETT.build(elements=2, a=a) for a in (0.035, 0.036)]
     outcomes = fpm.simulate(scenes, duration=0.4, instants=3)  # closes after about 0.33 s
-    response = fpm.responses.parse("BD", DEFINITIONS["BD"], BENNETT.sample)
     parameters = {"a": ([0.035, 0.036], "m")}
-    contents = fpm.trajectory.contents(outcomes, [response], {}, parameters, ["one", "two"])
+    contents = fpm.trajectory.contents(outcomes, {}, parameters, ["one", "two"])
     fpm.trajectory.write(contents, tmp_path / "both.nc")
     both = fpm.trajectory.read(tmp_path / "both.nc")
     assert both.parameter_a.sel(run="two") == 0.036 and both.parameter_a.units == "m"
@@ -122,9 +123,9 @@ def test_runs_of_a_batch_are_one_dataset_with_their_names_and_parameters(tmp_pat
     assert list(fpm.trajectory.read_curves(tmp_path / "both.nc", runs=["two"])) == ["two"]
     for row, (name, outcome) in enumerate(zip(read, outcomes, strict=True)):
         events = np.flatnonzero(both.event_run == row)
-        rest = both.isel(event=events).sel(run=name).drop_vars(["run", "event_run"])
-        alone = outcome.dataset([response], parameters={"a": (parameters["a"][0][row], "m")})
-        xarray.testing.assert_equal(rest, alone)
+        rest = both.isel(event=events).sel(run=name)
+        rest = rest.drop_vars(["run", "event_run", "parameter_a"])
+        xarray.testing.assert_equal(rest, outcome.dataset())
         np.testing.assert_array_equal(read[name].events, outcome.events)
         assert read[name].eventful == outcome.eventful
         assert len(outcome.events) and read[name].impacts().names == ["A", "B", "C", "D"]
@@ -204,39 +205,23 @@ def test_curves_are_refused_of_what_is_not_a_whole_trajectory(outcome, tmp_path)
         path.write_bytes(part)
         with pytest.raises(DamagedError, match=r"run\.nc cannot be used"):
             fpm.trajectory.read_curves(path)
-    fpm.trajectory.write(outcome.dataset(), path)
-    with pytest.raises(DamagedError, match=r"run\.nc cannot be used: it is of one run alone"):
-        fpm.trajectory.read_curves(path)
 
 
-def test_what_was_read_can_be_written_again(outcome, tmp_path):
-    attributes = {"mode": "w", "many": 2**40}
-    contents = fpm.trajectory.contents([outcome], (), attributes)
-    fpm.trajectory.write(contents, tmp_path / "one.nc")
-    data = fpm.trajectory.read(tmp_path / "one.nc")
-    large = np.full(data.sizes["time"], 2**40)
-    fpm.trajectory.write(data.assign(count=("time", large)), tmp_path / "two.nc")
-    again = fpm.trajectory.read(tmp_path / "two.nc")
-    assert again.drop_vars("count").identical(data)
-    assert again["count"].values.tolist() == large.tolist()
-    assert again.attrs["mode"] == "w"
-
-
-def test_a_value_that_is_not_finite_is_never_written(dataset, tmp_path):
-    dataset["response_values"][0, 3] = np.nan
-    with pytest.raises(ValueError, match="response_values has values that are not finite"):
-        fpm.trajectory.write(dataset, tmp_path / "run.nc")
+def test_a_value_that_is_not_finite_is_never_written(contents, tmp_path):
+    contents.variables["position"].values[0, 3] = np.nan
+    with pytest.raises(ValueError, match="position has values that are not finite"):
+        fpm.trajectory.write(contents, tmp_path / "run.nc")
     assert not list(tmp_path.iterdir())
 
 
-def test_a_write_that_breaks_off_leaves_nothing(dataset, tmp_path, monkeypatch):
-    def break_off(path, *contents, **more):
+def test_a_write_that_breaks_off_leaves_nothing(contents, tmp_path, monkeypatch):
+    def break_off(path, *parts, **more):
         path.write_bytes(b"half")
         raise OSError("disk full")
 
     monkeypatch.setattr(fpm.files.trajectory, "write_arrays", break_off)
     with pytest.raises(OSError, match="disk full"):
-        fpm.trajectory.write(dataset, tmp_path / "run.nc")
+        fpm.trajectory.write(contents, tmp_path / "run.nc")
     assert not list(tmp_path.iterdir())
 
 

@@ -396,4 +396,3 @@ record: {c: {part: arm, at: c}}
     lean = 3 * G * 0.5 * np.cos(np.radians(10)) / 1e9
     assert np.radians(10) - arm == pytest.approx(lean, rel=1e-6)
     assert -0.2 - load == pytest.approx(5 * G / 1e10, rel=1e-6)
-    assert scene.equilibrium.positions <= 30

@@ -82,7 +82,7 @@ class Trajectories(Store):
         outcomes, attributes = [r.outcome for r in results], {**results[0].common, **attributes}
         basis = {c for c in outcomes[0].columns if c[0] in (*MARGIN_READS, PEAK, *VARIABLES)}
         columns = self._reads | basis
-        contents = trajectory.contents(outcomes, (), attributes, parameters, names, columns)
+        contents = trajectory.contents(outcomes, attributes, parameters, names, columns)
         path = self.folder / f"{digest(names)}.nc"
         trajectory.write(contents, path, name=common.title(path), runs=" ".join(names))
         for name in names:

@@ -17,10 +17,6 @@ from fpm.structures.statement import CLASS, JOINT, connector, element, key_of, s
 ANGLE_JOINT = replace(JOINT, slides=False)
 
 
-def _at_start(build, hinge: int) -> float:
-    return build.scene.hinges[hinge].opening
-
-
 def _of_slide(key: Any) -> Number:
     text = key.text.replace("moment", "force").replace("radian", "metre")
     return replace(key.for_slides(["joint"]), text=text)
@@ -50,7 +46,7 @@ def torsion_spring(build, args):
             build.refuse("rest", rest, "none, with a `preload`")
         if not args.stiffness > 0:
             build.refuse("stiffness", args.stiffness, "above 0, with a `preload`")
-        rest = _at_start(build, args.joint) + args.preload / args.stiffness
+        rest = build.scene.hinges[args.joint].opening + args.preload / args.stiffness
     build.scene.add(element(elements.TorsionSpring, args, rest=rest))
 
 
@@ -83,12 +79,14 @@ def friction(build, args):
             build.refuse("sticks", args.sticks, allowed)
         build.scene.add(elements.Friction(args.joint, args.moment, None))
         return
-    deflection = args.bristle_deflection or _deflection(build.scene, args.joint)
+    deflection = _deflection(build, args)
     build.scene.add(element(elements.Friction, args, bristle_deflection=deflection))
 
 
-def _deflection(scene, hinge: int) -> float:
-    return SLIDE_DEFLECTION if scene.hinges[hinge].slides else DEFLECTION
+def _deflection(build, args) -> float:
+    """The deflection of bristles that an entry states, or that which is usual on its joint."""
+    slides = build.scene.hinges[args.joint].slides
+    return args.bristle_deflection or (SLIDE_DEFLECTION if slides else DEFLECTION)
 
 
 BEARING_LOAD = (
@@ -123,7 +121,7 @@ def bearing(build, args):
     if args.load is None:
         scene.bearings[args.joint] += lever
         return
-    deflection = args.bristle_deflection or _deflection(scene, args.joint)
+    deflection = _deflection(build, args)
     scene.add(elements.Friction(args.joint, lever * args.load, deflection, load=args.load))
 
 
@@ -176,9 +174,8 @@ def tabulated_spring(build, args):
     if args.back is not None:
         most = float((unloading - loading).max() / 2)
         shares = tuple((unloading - loading) / 2 / (most or 1.0))
-        deflection = args.bristle_deflection or _deflection(scene, args.joint)
         table = {"angles": tuple(args.angles), "shares": shares}
-        drag = elements.Friction(args.joint, most, deflection, **table)
+        drag = elements.Friction(args.joint, most, _deflection(build, args), **table)
         scene.classes[elements.Friction, scene.add(drag)] = "HY"
 
 
@@ -194,7 +191,11 @@ def tabulated_spring(build, args):
 )
 def loop(build, args):
     """A closed cable over pulleys on two joints, which open in the ratio of the radii."""
-    rest = [_at_start(build, hinge) for hinge in args.joints] if args.rest is None else args.rest
+    rest = (
+        [build.scene.hinges[hinge].opening for hinge in args.joints]
+        if args.rest is None
+        else args.rest
+    )
     build.scene.add(element(elements.SyncLoop, args, hinges=args.joints, rest=rest))
 
 
@@ -212,7 +213,7 @@ def loop(build, args):
 )
 def motor(build, args):
     """Prescribes the opening of a joint, exactly or through an elastic drive train."""
-    start = _at_start(build, args.joint) if args.start is None else args.start
+    start = build.scene.hinges[args.joint].opening if args.start is None else args.start
     if (args.turn is None) == (args.rate is None):
         build.refuse("turn", args.turn, "by how much it moves, or a `rate`, not both")
     by_rate = args.turn is None
@@ -238,7 +239,7 @@ def release(build, args):
         build.refuse("level", args.level, f"none, as it watches the latch {latch}")
     if not latch and (args.watch is None) != (args.level is None):
         build.refuse("level", args.level, "an opening, with a joint to `watch`")
-    start = _at_start(build, args.joint)
+    start = build.scene.hinges[args.joint].opening
     hold = start if args.hold is None else args.hold
     is_exact = args.stiffness is None
     if is_exact and build.is_balanced:

@@ -5,7 +5,6 @@ from contextlib import suppress
 from dataclasses import replace
 from functools import lru_cache, partial
 from itertools import compress
-from typing import Any
 
 import numpy as np
 
@@ -73,7 +72,15 @@ def curve(build, args):
     if args.expression is not None:
         if smooth:
             build.refuse("smooth", args.smooth, "false: an expression is as smooth as it says")
-        build.scene.curves.append(_curve_by_expression(build, args))
+        expression, numbers = args.expression
+        if not args.over[0] < args.over[1]:
+            build.refuse("over", args.over, "a start, and an end that is later")
+        items = tuple((name, np.asarray(value, float).tobytes()) for name, value in numbers.items())
+        try:
+            build.scene.curves.append(_fit(expression, items, *args.over))
+        except CurveError as error:
+            allowed = f"a finite function without jumps; {error}"
+            build.refuse("expression", expression.text, allowed)
         return len(build.scene.curves) - 1
     if args.file is None:
         if len(args.times) != len(args.values):
@@ -84,17 +91,6 @@ def curve(build, args):
         allowed = f"a column of the file, {', '.join((*args.file.columns, *args.file.faults))}"
         raise SceneError("column", column, allowed, args.file.faults.get(column, ""))
     return build.scene.add_curve(args.file.times, args.file.columns[column], smooth)
-
-
-def _curve_by_expression(build, args) -> Any:
-    expression, numbers = args.expression
-    if not args.over[0] < args.over[1]:
-        build.refuse("over", args.over, "a start, and an end that is later")
-    try:
-        items = tuple((name, np.asarray(value, float).tobytes()) for name, value in numbers.items())
-        return _fit(expression, items, *args.over)
-    except CurveError as error:
-        build.refuse("expression", expression.text, f"a finite function without jumps; {error}")
 
 
 @lru_cache(maxsize=64)
@@ -237,23 +233,21 @@ def cable(build, args):
 )
 def drive(build, args):
     """Prescribes the velocity and spin of a point, or its velocity along some global axes."""
-    particle = args.part.particle(args.at.name)
-    arm = build.scene.arm_to(particle, args.at.position)
+    scene, particle = build.scene, args.part.particle(args.at.name)
+    arm = scene.arm_to(particle, args.at.position)
+    is_taken = args.name in {*scene.supports, *list_names(scene)}
+    name = f"drive {args.name}" if is_taken else args.name
     if len(args.translations + args.rotations) < 6:
-        _lead(build, args, particle, arm)
-        return
-    distance = float(np.linalg.norm(arm.arm))
-    if distance > POINT_TOL * build.size and np.any(args.spin):
-        build.refuse("at", args.at.name, "the centre of a body, or a point on the bar's axis")
-    build.scene.drive(particle, args.velocity, args.spin, _index(args.curve))
-    build.scene.supports[_drive_name(build.scene, args.name)] = arm
+        _lead(build, args, name, particle, arm)
+    else:
+        distance = float(np.linalg.norm(arm.arm))
+        if distance > POINT_TOL * build.size and np.any(args.spin):
+            build.refuse("at", args.at.name, "the centre of a body, or a point on the bar's axis")
+        scene.drive(particle, args.velocity, args.spin, _index(args.curve))
+    scene.supports[name] = arm
 
 
-def _drive_name(scene, name: str) -> str:
-    return f"drive {name}" if name in {*scene.supports, *list_names(scene)} else name
-
-
-def _lead(build, args, particle: int, arm) -> None:
+def _lead(build, args, name: str, particle: int, arm) -> None:
     """Lead a point along some global axes, as one of a part that is free along and about others."""
     scene, axes = build.scene, args.translations
     if args.rotations:
@@ -261,27 +255,25 @@ def _lead(build, args, particle: int, arm) -> None:
     if not axes:
         build.refuse("translations", "none", "one of x, y, z, or several, with `rotations: none`")
     moves = np.abs(args.velocity) > 1e-12 * np.linalg.norm(args.velocity)  # but for rounding
-    free = [axis for axis in compress("xyz", moves) if axis not in axes]
-    if free:
+    if free := [axis for axis in compress("xyz", moves) if axis not in axes]:
         allowed = f"0 along {', '.join(free)}, or `translations` with it"
         build.refuse("velocity", args.velocity.tolist(), allowed)
     if np.any(args.spin):
         build.refuse("spin", args.spin.tolist(), "none with `rotations: none`")
-    place = arm.end_in(scene)  # where parts assembled
-    joints = (joint for joint in scene.kinds.get(Joint, []) if joint.type == "held")
-    constraints = [joint for joint in joints if joint.particles[0] == particle]
-    is_same = [np.allclose(joint.beams[0].arm, arm.arm) for joint in constraints]
-    axes_held = "".join(compress((j.support_axes for j in constraints), is_same))
+    held_axes = ""
+    for joint in scene.kinds.get(Joint, []):
+        is_of_part = joint.type == "held" and joint.particles[0] == particle
+        if is_of_part and np.allclose(joint.beams[0].arm, arm.arm):
+            held_axes += joint.support_axes
     if not np.any(arm.arm):
-        axes_held += "".join(compress("xyz", scene.fixed[particle]))
-    if set(axes_held) & set(axes):
-        allowed = f"axes along which nothing else holds the point, not {', '.join(axes_held)}"
+        held_axes += "".join(compress("xyz", scene.fixed[particle]))
+    if set(held_axes) & set(axes):
+        allowed = f"axes along which nothing else holds the point, not {', '.join(held_axes)}"
         build.refuse("translations", axes, allowed)
-    leader = int(scene.add_particles(place, MASSLESS, MASSLESS)[0])
+    # Where the point is once parts are assembled.
+    leader = int(scene.add_particles(arm.end_in(scene), MASSLESS, MASSLESS)[0])
     scene.drive(leader, args.velocity, args.spin, _index(args.curve))
-    name = _drive_name(scene, args.name)
     scene.add(Joint.held_point(scene, name, particle, args.at.position, axes, leader))
-    scene.supports[name] = arm
     build.joints_of.setdefault(particle, []).append(args.name)
 
 
@@ -336,7 +328,7 @@ SIDES = {"both ways": (1.0, 1.0), "push": (1.0, 0.0), "pull": (0.0, 1.0)}
 def _add(build, args, lengths, forces, slopes=(0.0, 0.0)) -> None:
     """Add a Strut of lengths (m), forces (N) and slopes (N/m) to the scene."""
     points = [(part.particle(point.name), point.position) for part, point in args.between]
-    if points[0][0] == points[1][0] or not _length(build, args) > 0:
+    if points[0][0] == points[1][0] or not _length(args) > 0:
         places = " and ".join(f"{point.name} of {part.name}" for part, point in args.between)
         build.refuse("between", places, "points of two parts, or of two ends of a bar, apart")
     for particle, _ in points:
@@ -345,7 +337,7 @@ def _add(build, args, lengths, forces, slopes=(0.0, 0.0)) -> None:
     build.scene.add(Strut(args.name, beams, tuple(lengths), tuple(forces), slopes, args.damping))
 
 
-def _length(build, args) -> float:
+def _length(args) -> float:
     """Length (m) of a strut at the start."""
     (_, first), (_, second) = args.between
     return sum((first.position - second.position) ** 2) ** 0.5
@@ -377,7 +369,7 @@ def spring(build, args):
         build.refuse("preload", args.preload, f"one that a strut may have that acts in {args.acts}")
     rest = args.rest
     if rest is None:
-        rest = _length(build, args) + args.preload / args.stiffness
+        rest = _length(args) + args.preload / args.stiffness
         if not rest > 0:
             build.refuse("preload", args.preload, "one with a length without force above 0 m")
     sides = SIDES[args.acts]
@@ -419,7 +411,7 @@ def gas_spring(build, args):
     if not args.stroke < args.length:
         build.refuse("stroke", args.stroke, f"below the length, {args.length:g} m")
     table = gas_table(args.force, args.length, args.stroke, args.ratio, args.exponent)
-    least, start = args.length - args.stroke, _length(build, args)
+    least, start = args.length - args.stroke, _length(args)
     if not least * (1 - 1e-9) <= start <= args.length * (1 + 1e-9):
         text = f"at least {start:.4g} m, the distance of its points at the start, and at most its "
         build.refuse("length", args.length, f"{text}stroke, {args.stroke:.4g} m, more")
@@ -436,10 +428,10 @@ def gas_spring(build, args):
 )
 def constant_force(build, args):
     """The same force between two points at any distance."""
-    _add(build, args, [_length(build, args)], [args.force])
+    _add(build, args, [_length(args)], [args.force])
 
 
 @statement("struts", "damper", between=ENDS, damping=replace(DAMPING, default=NO_VALUE))
 def damper(build, args):
     """A damper between two points, which resists changes of their distance."""
-    _add(build, args, [_length(build, args)], [0.0])
+    _add(build, args, [_length(args)], [0.0])

@@ -117,9 +117,12 @@ def bar(build, args):
     points = [point.position for point in args.through]
     directions = _directions(build, names, points)
     normal = _height_axis(build, args, directions)
-    lay = _straight if len(points) == 2 else _stretches
     scene, count = build.scene, len(build.scene.beams)
-    nodes = lay(scene, args, points, directions, normal)
+    if len(points) == 2:
+        shape = args.section, args.material, args.elements, args.name, args.inertia_scale
+        nodes = scene.add_link(*points, normal, *shape).particles[[0, -1]].tolist()
+    else:
+        nodes = _lay_stretches(scene, args, points, directions, normal)
     if args.strain or args.curvature is not None:
         beams = scene.beams[count:]
         scene.beams[count:] = [b.with_strain(args.strain, args.curvature) for b in beams]
@@ -161,16 +164,9 @@ def _height_axis(build, args, directions) -> np.ndarray:
     return np.eye(3)[(2, 0, 1)[int(np.argmin(cosines))]]
 
 
-def _straight(scene, args, points, directions, normal) -> list[int]:
-    """A bar between two points; the particles at both."""
-    shape = args.section, args.material, args.elements, args.name, args.inertia_scale
-    link = scene.add_link(*points, normal, *shape)
-    return [int(link.particles[0]), int(link.particles[-1])]
-
-
-def _stretches(scene, args, points, directions, normal) -> list[int]:
-    """A bar through more points, stretch by stretch; the particles at the points. Each stretch is
-    lumped by itself (beam.py); where two meet, masses and inertias add."""
+def _lay_stretches(scene, args, points, directions, normal) -> list[int]:
+    """Add a bar through more than two points, stretch by stretch; return the particles at the
+    points. Each stretch is lumped by itself (beam.py); where two meet, masses and inertias add."""
     axes = [triad(direction, normal) for direction in directions]
     shape = args.elements, args.section, args.material, args.inertia_scale
     lumps = [lump(size(end - start), *shape) for start, end in pairwise(points)]
@@ -178,10 +174,10 @@ def _stretches(scene, args, points, directions, normal) -> list[int]:
     inner = np.zeros(0, int)
     steps = np.linspace(0.0, 1.0, args.elements + 1)[1:-1, None]
     for k, point in enumerate(points):
-        # The end of the stretch before, and the start of the one after.
-        ends = [(*lumps[j], axes[j], i) for j, i in ((k - 1, -1), (k, 0)) if 0 <= j < len(axes)]
-        inertia, frame = _sum_inertias([(inertias[i], basis) for _, inertias, basis, i in ends])
-        mass = sum(masses[i] for masses, _, _, i in ends)
+        # Here meet the last lump of the stretch before and the first of the one after.
+        ends = [(k - 1, -1)] * (k > 0) + [(k, 0)] * (k < len(axes))
+        inertia, frame = _sum_inertias([(lumps[j][1][i], axes[j]) for j, i in ends])
+        mass = sum(lumps[j][0][i] for j, i in ends)
         node = scene.add_particles(point, mass, inertia, frame)
         if k:
             line = np.array([nodes[-1], *inner, node[0]])

@@ -163,10 +163,11 @@ def _failure(run, lane, largest, step: float, limit: StableStep) -> InstabilityE
     names = [(name, kind) for kind in batch.rows.slices for name in kind.names(scene)]
     row, cause = record.failed_row[lane], record.failed_cause[lane]
     element, worst = names[row] if row >= 0 else ("none", None)
-    turn = 0.0
+    turns = record.failed_turns[:, lane]
     if worst and worst.joins:
         joint = worst.find(scene)[row - batch.rows.slices[worst].start]
-        turn = float(record.failed_turns[list(joint.particles), lane].max())
+        turns = turns[list(joint.particles)]
+    turn = float(turns.max())
     remedies = [w.remedy(element) for w in (worst.watches if worst else ()) if w.remedy]
     if step > limit.step and not np.isfinite(balance):
         element = limit.element  # all elements broke down since the last check; this began it
@@ -187,6 +188,7 @@ def _failure(run, lane, largest, step: float, limit: StableStep) -> InstabilityE
         words=watch and watch.failure(largest | {"turn": turn, "step": step}),
         remedy="; ".join(remedies),
         final_words=final_words or None,
+        turn=turn,
     )
     return error.as_final() if is_sure and error.time > 0 and step <= limit.step else error
 

@@ -36,7 +36,7 @@ def find_failures(parts, world, record, row, n, tolerance):
             record.scale[s] = energy
         balance = record.energies[row, BALANCE, s]
         # An instability of linear springs keeps the balance, but velocities alternate.
-        if record.energies[row, KINETIC, s] < -GROWTH * record.scale[s]:
+        if n > 0 and record.energies[row, KINETIC, s] < -GROWTH * record.scale[s]:
             balance = record.energies[row, KINETIC, s]
         error = abs(balance)
         is_balanced = error <= tolerance * record.scale[s]

@@ -9,6 +9,7 @@ from fpm.elements import energies_of, kinds_of
 from fpm.elements.batch import Batch, join_particles, turns_of
 from fpm.elements.cross import columns, cross
 from fpm.elements.kind import Series
+from fpm.elements.openings.opening import moving_at_start
 from fpm.elements.particles.drive import Drive
 from fpm.elements.reads import SceneList
 from fpm.errors import InstabilityError, SceneError
@@ -142,7 +143,7 @@ def _outcome_of(run, lane: int, times, division, extra, limit, motion, elements)
 
 def _energies(batch, record, lane: int, instants: int) -> Energies:
     """Energies (t,) J by name."""
-    table = record.energies[:instants, :, lane]
+    scene, table = batch.scenes[lane], record.energies[:instants, :, lane]
     energies = {energy.name: np.zeros(instants, table.dtype) for energy in energies_of(batch.kinds)}
     for k, energy in enumerate(batch.accounts):
         values = table[:, layout.ACCOUNTS + k]
@@ -152,7 +153,11 @@ def _energies(batch, record, lane: int, instants: int) -> Energies:
     for k, energy in enumerate(kind.stores for kind in batch.kinds if kind.stores):
         # Kinds may share a name, as cables and beams may store strain energy.
         energies[energy.name] = energies[energy.name] + table[:, first + k]
-    kinetic, balance = table[:, layout.KINETIC], table[:, layout.BALANCE]
+    kinetic, balance = table[:, layout.KINETIC].copy(), table[:, layout.BALANCE]
+    motion = moving_at_start(scene)  # exactly: leapfrog's energy lacks that of half a kick
+    spin = np.einsum("nji,nj->ni", scene.frame, motion.spin)
+    kinetic[0] = 0.5 * float((scene.mass @ motion.velocity**2).sum())
+    kinetic[0] += 0.5 * float((turns_of(scene).inertia * spin**2).sum())
     return Energies(kinetic=kinetic, **energies, balance=balance)
 
 

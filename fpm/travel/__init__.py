@@ -191,13 +191,14 @@ def sweep(
     openings: name of a hinge, or of several, the others as far from their start as the first;
     first, last: at both ends (rad, m); locked: hinges that keep their opening; positions: evenly
     spaced, None: as many as needed, with those of kinks. SceneError if the opening does not
-    determine the motion, MisfitError if it cannot reach a value."""
+    determine the motion, or not at an end, MisfitError if it cannot reach a value."""
     names = [openings] if isinstance(openings, str) else openings
     count = positions or POSITIONS
     sweep = _Sweep(scene, Path(scene, names, locked), first, last, (last - first) / (count - 1))
     samples = SampledTravel(sweep.measure)
     for position in np.linspace(0.0, 1.0, count):
         samples.add(float(position))
+    sweep.check_end()
     if positions is None:
         _add_bends(scene, samples, sweep.works + 2)
         sweep.largest = max(np.abs(values[: sweep.works]).sum() for values in samples.values) + TINY
@@ -226,13 +227,19 @@ class _Sweep:
             path.move_to(float(value))
             for part in self._parts:  # openings count whole turns between positions
                 part.compute_work(path.poses, path.tangent)
-        path.check()
+        path.check(first + 0.5 * spacing)
         self._elements = [*path.balance.sources, *(s for part in self._parts for s in part.sources)]
         self.names = [part.name for part in components_of(scene)]
         self.names += [bearing_name(scene, hinge) for hinge in scene.bearings]
         self.works, self.largest = len(self.names), TINY
         frictions = {friction.hinge for friction in Friction.find(scene) if not friction.is_exact}
         self._friction_hinges = sorted(frictions | set(scene.bearings))
+
+    def check_end(self) -> None:
+        """Check where the path is after the last position, and go back there."""
+        state = self._path.state()
+        self._path.check(self._path.opening - 0.01 * self._travel)
+        self._path.restore(state)
 
     def measure(self, position: float, state):
         """Virtual works, strain, inertia, openings, rates; position: fraction of the travel."""

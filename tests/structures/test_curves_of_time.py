@@ -223,6 +223,12 @@ def test_impulses_of_pulses_shorter_than_a_step_are_exact_at_any_step(curve):
         assert step is not None or 0.2 * feature < outcome.step < 0.26 * feature
 
 
+def test_a_rise_in_the_last_step_of_a_run_is_resolved():
+    scene = loads(PULSED.format(curve="times: [0.999, 1], values: [0, 1]")).build()
+    (outcome,) = simulate(scene, duration=1, instants=11)
+    assert outcome.points["c"][1][-1] == pytest.approx([0.1255, 0, 0.1255], rel=0.01)
+
+
 RAIL = "joints: {rail: {type: prismatic, parts: [ground, ball], at: c, axis: x}}\n"
 MOTOR = "actions: {m: {type: motor, joint: rail, travel: 1 m, stiffness: 8 N/m, curve: f"
 WINCH = "cables: {w: {through: [{part: ground, at: d}, c], EA: 2 kN, curve: f, "

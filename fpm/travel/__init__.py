@@ -194,11 +194,12 @@ def sweep(
     determine the motion, or not at an end, MisfitError if it cannot reach a value."""
     names = [openings] if isinstance(openings, str) else openings
     count = positions or POSITIONS
-    sweep = _Sweep(scene, Path(scene, names, locked), first, last, (last - first) / (count - 1))
+    path = Path(scene, names, locked)
+    sweep = _Sweep(scene, path, first, last, (last - first) / (count - 1))
     samples = SampledTravel(sweep.measure)
     for position in np.linspace(0.0, 1.0, count):
         samples.add(float(position))
-    sweep.check_end()
+    path.check(last - 0.01 * (last - first))
     if positions is None:
         _add_bends(scene, samples, sweep.works + 2)
         sweep.largest = max(np.abs(values[: sweep.works]).sum() for values in samples.values) + TINY
@@ -234,12 +235,6 @@ class _Sweep:
         self.works, self.largest = len(self.names), TINY
         frictions = {friction.hinge for friction in Friction.find(scene) if not friction.is_exact}
         self._friction_hinges = sorted(frictions | set(scene.bearings))
-
-    def check_end(self) -> None:
-        """Check where the path is after the last position, and go back there."""
-        state = self._path.state()
-        self._path.check(self._path.opening - 0.01 * self._travel)
-        self._path.restore(state)
 
     def measure(self, position: float, state):
         """Virtual works, strain, inertia, openings, rates; position: fraction of the travel."""

@@ -288,14 +288,14 @@ class Path(StaticEquations):
         """Check that the moved opening alone determines the motion of everything else; raises
         SceneError if not, or if it does so at a value `beside` (rad, m) only: it is singular."""
         if not self._is_decided():
-            value, singular = f"{self.opening:.6g}", "a way that begins and ends beside this value"
-            singular += ", as it is a singular position, where the motions of others are not known"
+            value, allowed = f"{self.opening:.6g}", "a way that begins and ends beside this value"
+            allowed += ", as it is a singular position, where the motions of others are not known"
             self.move_to(beside)
-            if self._is_decided():
-                raise SceneError(self._key, value, singular)
-            allowed = "an opening that decides the motion of all others, by joints, springs or"
-            allowed += " loops; let others be `locked`"
-            raise SceneError(self._key, "(not the only freedom)", allowed)
+            if not self._is_decided():
+                value = "(not the only freedom)"
+                allowed = "an opening that decides the motion of all others, by joints, springs or"
+                allowed += " loops; let others be `locked`"
+            raise SceneError(self._key, value, allowed)
 
     def _is_decided(self) -> bool:
         """Return whether the motion of everything does not change with the masses."""

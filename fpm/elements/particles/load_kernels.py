@@ -60,8 +60,8 @@ def work_after(part, world, timing):
         end = get3(state, i, X) + to_global(frame(state, i), get3(part.numbers, n, ARM))
         axes, spin = frame(part.state, n), get3(state, i, P)
         half = half_turn(to_local(axes, spin), get3(world.particles, i, HALF))
-        driven = timing.step * load(world.particles, i, BY_SPIN)
-        rotation = 2.0 * to_global(axes, half) + driven * spin
+        by_spin = timing.step * load(world.particles, i, BY_SPIN)
+        rotation = 2.0 * to_global(axes, half) + by_spin * spin
         factor = kick_mean(world, part.curve[n], timing)
         factor = 0.5 * (factor + kick_mean(world, part.curve[n], timing, 1))
         work = dot(get3(part.numbers, n, FORCE), end - get3(part.state, n, END))

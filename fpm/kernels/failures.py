@@ -17,7 +17,7 @@ NEGLIGIBLE, GROWTH, EXCESS, QUIET = 0.1, 100.0, 10.0, 4
 balance was none; growth of an error since it was noted, and its ratio to the energy so far,
 above which it is an instability; and checks without one after which it is over."""
 
-ALTERNATING = 1e5
+MOST_NEGATIVE = 1e5
 """Negative kinetic energy, over the largest energy, above which a motion grows and alternates: a
 stable one reaches that where its step is less than 5e-6 below the limit."""
 
@@ -40,7 +40,7 @@ def find_failures(parts, world, record, row, n, tolerance):
             record.scale[s] = energy
         balance = record.energies[row, BALANCE, s]
         # An instability of linear springs keeps the balance, but velocities alternate.
-        if n > 0 and record.energies[row, KINETIC, s] < -ALTERNATING * record.scale[s]:
+        if n > 0 and record.energies[row, KINETIC, s] < -MOST_NEGATIVE * record.scale[s]:
             balance = record.energies[row, KINETIC, s]
         error = abs(balance)
         is_balanced = error <= tolerance * record.scale[s]

@@ -26,7 +26,7 @@ CHECK_EVERY = 50
 """Number of steps from one check of the energy balance to the next, at most."""
 
 
-HALVINGS, AT_START, IN_STEPS, FEW = 3, 9, 50, 20_000
+HALVINGS, AT_START, IN_STEPS, CHEAP_STEPS = 3, 9, 50, 20_000
 """How often a run that a shorter step may mend is repeated with half of it, at most, where the step
 was not stated; how often one that fails so soon, in steps, or is of few steps in all."""
 
@@ -202,7 +202,7 @@ def _is_repeated(outcome: Outcome, halvings: int, count: int) -> bool:
         return False
     if failure.words is not None and "solver.step" not in failure.words[1]:
         return False
-    is_cheap = outcome.steps <= FEW or failure.time <= IN_STEPS * failure.step
+    is_cheap = outcome.steps <= CHEAP_STEPS or failure.time <= IN_STEPS * failure.step
     return count < (max(AT_START, halvings) if halvings and is_cheap else halvings)
 
 

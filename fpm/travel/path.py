@@ -284,13 +284,13 @@ class Path(StaticEquations):
             raise SceneError(f"bearing {name}", place, allowed)
         return [*(-levers * forces * np.abs(rates))]
 
-    def check(self, beside: float) -> None:
+    def check(self, neighbour: float) -> None:
         """Check that the moved opening alone determines the motion of everything else; raises
-        SceneError if not, or if it does so at a value `beside` (rad, m) only: it is singular."""
+        SceneError if not, or if it does so at a value `neighbour` (rad, m) only: it is singular."""
         if not self._is_decided():
             value, allowed = f"{self.opening:.6g}", "a way that begins and ends beside this value"
             allowed += ", as it is a singular position, where the motions of others are not known"
-            self.move_to(beside)
+            self.move_to(neighbour)
             if not self._is_decided():
                 value = "(not the only freedom)"
                 allowed = "an opening that decides the motion of all others, by joints, springs or"

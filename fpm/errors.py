@@ -6,6 +6,9 @@ import unicodedata
 from collections.abc import Iterable
 from math import inf, isfinite
 
+MOST_TURN = 0.25
+"""Turn of a body in a step (rad) at which its joints surely close, and energies balance."""
+
 
 class SceneError(ValueError):
     """Raised for a scene, parameter, response or argument that is not allowed. key: name of what is
@@ -29,27 +32,28 @@ class InstabilityError(RuntimeError):
     energy so far; `cause`, name of the watched quantity too large (None: the balance broke);
     `largest`, all watched quantities by name; `words`, two texts, cause and remedy (None: no
     cause); `remedy`, of the type of `element` where the balance broke ("": it knows none);
-    `final_words`, two such texts for a failure that no shorter step mends (None: one may)."""
+    `final_words`, two such texts for a failure that no shorter step mends (None: one may); `turn`
+    (rad), the largest of a body in the step, of those at `element` if it joins some."""
 
     def __init__(
         self, time, element, step, limit, balance, scale, cause=None, largest=None, words=None,
-        remedy="", final_words=None,
+        remedy="", final_words=None, turn=0.0,
     ):  # fmt: skip
         self.time, self.element, self.step, self.limit = time, element, step, limit
         self.balance, self.scale, self.cause = balance, scale, cause
         self.largest, self.words, self.remedy = largest or {}, words, remedy
-        self.final_words = final_words
-        text = (
-            f"the energy balance has an error of {balance:.3g} J in {scale:.3g} J"
-            if isfinite(balance)
-            else "numbers are no longer finite"
-        )
-        remedy = remedy or (
+        self.final_words, self.turn = final_words, turn
+        turn_words, turn_remedy = describe_turn(turn if step <= limit else 0.0, step)
+        text = "numbers are no longer finite"
+        if isfinite(balance):
+            text = f"the energy balance has an error of {balance:.3g} J in {scale:.3g} J"
+            text += f", and {turn_words}" if turn_words else ""
+        violent = (
             "the step is below the limit of the undeformed scene, so the motion itself is "
             "too violent for it: halve solver.step, refine the mesh, or soften the contact"
         )
-        if limit == inf and not self.remedy:
-            remedy = "nothing is elastic: halve solver.step"
+        rigid = "nothing is elastic: halve solver.step (auto does, and finds out if it helps)"
+        remedy = remedy or turn_remedy or (violent if limit < inf else rigid)
         is_told = words is not None and (isfinite(balance) or step <= limit)
         if is_told:
             text, remedy = words
@@ -69,6 +73,17 @@ class InstabilityError(RuntimeError):
         self.words = self.final_words
         self.args = (f"stopped at t = {self.time:.6g} s: {'; '.join(self.final_words or ())}",)
         return self
+
+
+def describe_turn(turn: float, step: float) -> tuple[str, str]:
+    """Return cause and remedy in words where a body turns too far, by `turn` (rad), in a `step`
+    (s); both "" if it does not."""
+    if not MOST_TURN < turn < inf:
+        return "", ""
+    return (
+        f"a body turns by {turn:.2g} rad in a step, at {turn / step:.3g} rad/s",
+        f"take a solver.step of at most {MOST_TURN * step / turn:.2g} s",
+    )
 
 
 def fold_name(name: str) -> str:

@@ -25,6 +25,10 @@ from fpm.scenes.scene import Scene
 SAFETY = 0.9
 """Share of the stable step that is taken as time step where none is given."""
 
+CURVE_SHARE = 0.25
+"""Share of the finest feature of a curve of time that is taken as time step at most: motions over a
+linear rise then have errors of up to 1 %."""
+
 DENSE = 100
 """Up to this many degrees of freedom the eigenvalue problem is solved as a full matrix."""
 
@@ -118,7 +122,8 @@ def find_stable_step(scene: Scene) -> StableStep:
 
 def find_curve_step(scene: Scene, duration: float) -> float:
     """Return the longest step (s) that resolves a scene's curves in a run of `duration` (s)."""
-    return min((curve.find_feature(duration) for curve in scene.curves), default=np.inf)
+    features = [curve.find_feature(duration) for curve in scene.curves]
+    return CURVE_SHARE * min(features, default=np.inf)
 
 
 def _limit(scene: Scene, step: float = np.inf) -> StableStep:

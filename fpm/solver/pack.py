@@ -9,6 +9,7 @@ from fpm.elements import energies_of, kinds_of
 from fpm.elements.batch import Batch, join_particles, turns_of
 from fpm.elements.cross import columns, cross
 from fpm.elements.kind import Series
+from fpm.elements.openings.opening import moving_at_start
 from fpm.elements.particles.drive import Drive
 from fpm.elements.reads import SceneList
 from fpm.errors import InstabilityError, SceneError
@@ -142,7 +143,7 @@ def _outcome_of(run, lane: int, times, division, extra, limit, motion, elements)
 
 def _energies(batch, record, lane: int, instants: int) -> Energies:
     """Energies (t,) J by name."""
-    table = record.energies[:instants, :, lane]
+    scene, table = batch.scenes[lane], record.energies[:instants, :, lane]
     energies = {energy.name: np.zeros(instants, table.dtype) for energy in energies_of(batch.kinds)}
     for k, energy in enumerate(batch.accounts):
         values = table[:, layout.ACCOUNTS + k]
@@ -152,7 +153,11 @@ def _energies(batch, record, lane: int, instants: int) -> Energies:
     for k, energy in enumerate(kind.stores for kind in batch.kinds if kind.stores):
         # Kinds may share a name, as cables and beams may store strain energy.
         energies[energy.name] = energies[energy.name] + table[:, first + k]
-    kinetic, balance = table[:, layout.KINETIC], table[:, layout.BALANCE]
+    kinetic, balance = table[:, layout.KINETIC].copy(), table[:, layout.BALANCE]
+    motion = moving_at_start(scene)  # exactly: leapfrog's energy lacks that of half a kick
+    spin = np.einsum("nji,nj->ni", scene.frame, motion.spin)
+    kinetic[0] = 0.5 * float((scene.mass @ motion.velocity**2).sum())
+    kinetic[0] += 0.5 * float((turns_of(scene).inertia * spin**2).sum())
     return Energies(kinetic=kinetic, **energies, balance=balance)
 
 
@@ -163,10 +168,11 @@ def _failure(run, lane, largest, step: float, limit: StableStep) -> InstabilityE
     names = [(name, kind) for kind in batch.rows.slices for name in kind.names(scene)]
     row, cause = record.failed_row[lane], record.failed_cause[lane]
     element, worst = names[row] if row >= 0 else ("none", None)
-    turn = 0.0
+    turns = record.failed_turns[:, lane]
     if worst and worst.joins:
         joint = worst.find(scene)[row - batch.rows.slices[worst].start]
-        turn = float(record.failed_turns[list(joint.particles), lane].max())
+        turns = turns[list(joint.particles)]
+    turn = float(turns.max())
     remedies = [w.remedy(element) for w in (worst.watches if worst else ()) if w.remedy]
     if step > limit.step and not np.isfinite(balance):
         element = limit.element  # all elements broke down since the last check; this began it
@@ -187,6 +193,7 @@ def _failure(run, lane, largest, step: float, limit: StableStep) -> InstabilityE
         words=watch and watch.failure(largest | {"turn": turn, "step": step}),
         remedy="; ".join(remedies),
         final_words=final_words or None,
+        turn=turn,
     )
     return error.as_final() if is_sure and error.time > 0 and step <= limit.step else error
 

@@ -26,9 +26,9 @@ CHECK_EVERY = 50
 """Number of steps from one check of the energy balance to the next, at most."""
 
 
-HALVINGS, AT_START, IN_STEPS = 3, 9, 50
+HALVINGS, AT_START, IN_STEPS, CHEAP_STEPS = 3, 9, 50, 20_000
 """How often a run that a shorter step may mend is repeated with half of it, at most, where the step
-was not stated; how often one that fails so soon, in steps, since its step was far too long."""
+was not stated; how often one that fails so soon, in steps, or is of few steps in all."""
 
 _KINK = -2
 """Number of a kink of a curve of time among events, which no element has."""
@@ -83,8 +83,8 @@ def simulate(
     duration: simulated time (s), above 0.
     instants: number of recorded instants, evenly spaced from 0 to `duration`; at least 2.
     step: time step (s), shortened so that whole steps make up the time between two instants; None:
-        `safety` times the smallest stable step of the scenes, shortened to the finest feature of
-        their curves of time.
+        `safety` times the smallest stable step of the scenes, at most a quarter of the finest
+        feature of their curves of time.
     safety: factor on the stable step, where no step is given.
     energy_tolerance: a sample fails where the error of its energy balance exceeds this fraction of
         the largest energy that it has had so far.
@@ -92,8 +92,8 @@ def simulate(
         motion, and what is always recorded, do not depend on them.
     halvings: how often a run whose energy balance breaks, whose numbers are not finite, or whose
         joints open is repeated with half the step before it fails (`Outcome.step` is that of the
-        last time), of those that fail at once AT_START times; None: HALVINGS if no step is given,
-        else 0.
+        last time), AT_START times if it fails at once or has few steps; None: HALVINGS if no step
+        is given, else 0.
     readings: into how many parts the time between two instants is divided to read `peaks`; 0: none
         are read.
     peaks: quantities with a `peak_column`, which outcomes get."""
@@ -149,7 +149,7 @@ def simulate(
                 lane_outcomes = [_read_peaks(o, peaks, times) for o in lane_outcomes]
             outcomes.update(zip(lanes, lane_outcomes, strict=True))
         failures = {i: outcomes[i].failure for i in rows}
-        rows = [i for i, f in failures.items() if _is_repeated(f, halvings, count)]
+        rows = [i for i in rows if _is_repeated(outcomes[i], halvings, count)]
         for i in previous_failures.keys() - rows:
             _note_dead_end(previous_failures[i], failures[i], division)
         previous_failures = {i: failures[i] for i in rows}
@@ -194,14 +194,16 @@ def _batches(scenes: Sequence[Scene], rows: Iterable[int]) -> list[list[int]]:
     return [g[first : first + WIDTH] for g in groups.values() for first in range(0, len(g), WIDTH)]
 
 
-def _is_repeated(failure, halvings: int, count: int) -> bool:
+def _is_repeated(outcome: Outcome, halvings: int, count: int) -> bool:
     """Whether a run is repeated with half the step, after `count` times, halvings being allowed, as
     that may mend it: the balance broke, or the remedy names the step."""
+    failure = outcome.failure
     if not isinstance(failure, InstabilityError):
         return False
     if failure.words is not None and "solver.step" not in failure.words[1]:
         return False
-    return count < halvings or (halvings > 0 and failure.time <= IN_STEPS * failure.step)
+    is_cheap = outcome.steps <= CHEAP_STEPS or failure.time <= IN_STEPS * failure.step
+    return count < (max(AT_START, halvings) if halvings and is_cheap else halvings)
 
 
 def _note_dead_end(previous_failure, failure, division: Division) -> None:

@@ -191,13 +191,15 @@ def sweep(
     openings: name of a hinge, or of several, the others as far from their start as the first;
     first, last: at both ends (rad, m); locked: hinges that keep their opening; positions: evenly
     spaced, None: as many as needed, with those of kinks. SceneError if the opening does not
-    determine the motion, MisfitError if it cannot reach a value."""
+    determine the motion, or not at an end, MisfitError if it cannot reach a value."""
     names = [openings] if isinstance(openings, str) else openings
     count = positions or POSITIONS
-    sweep = _Sweep(scene, Path(scene, names, locked), first, last, (last - first) / (count - 1))
+    path = Path(scene, names, locked)
+    sweep = _Sweep(scene, path, first, last, (last - first) / (count - 1))
     samples = SampledTravel(sweep.measure)
     for position in np.linspace(0.0, 1.0, count):
         samples.add(float(position))
+    path.check(last - 0.01 * (last - first))
     if positions is None:
         _add_bends(scene, samples, sweep.works + 2)
         sweep.largest = max(np.abs(values[: sweep.works]).sum() for values in samples.values) + TINY
@@ -227,7 +229,7 @@ class _Sweep:
             path.move_to(float(value))
             for part in self._parts:  # openings count whole turns between positions
                 part.compute(path.poses, path.tangent)
-        path.check()
+        path.check(first + 0.5 * spacing)
         self._elements = [*path.balance.sources, *(s for part in self._parts for s in part.sources)]
         self.names = [part.name for part in components]
         self.names += [bearing_name(scene, hinge) for hinge in scene.bearings]

@@ -213,8 +213,9 @@ class Path(StaticEquations):
                 self.balance.follow(poses)
                 return
             was_small = is_small  # one more round, but where nothing is strained
-        allowed = "openings that it can reach quasi-statically, with all joints closed;"
-        allowed += " other openings that nothing decides may be `locked`"
+        allowed = "openings that it can reach quasi-statically, with all joints closed; from"
+        allowed += f" {self._start:.6g} it gets no further, so end before, unless others have to be"
+        allowed += " `locked` as nothing decides them"
         raise MisfitError(self._key, f"{value:.6g}", allowed)
 
     def state(self) -> tuple:
@@ -285,9 +286,21 @@ class Path(StaticEquations):
             raise SceneError(f"bearing {name}", place, allowed)
         return [*(-levers * forces * np.abs(rates))]
 
-    def check(self) -> None:
-        """Check that the moved opening alone determines the motion of everything else, which is so
-        if that motion does not change with the masses; raises SceneError if not."""
+    def check(self, neighbour: float) -> None:
+        """Check that the moved opening alone determines the motion of everything else; raises
+        SceneError if not, or if it does so at a value `neighbour` (rad, m) only: it is singular."""
+        if not self._is_decided():
+            value, allowed = f"{self.opening:.6g}", "a way that begins and ends beside this value"
+            allowed += ", as it is a singular position, where the motions of others are not known"
+            self.move_to(neighbour)
+            if not self._is_decided():
+                value = "(not the only freedom)"
+                allowed = "an opening that decides the motion of all others, by joints, springs or"
+                allowed += " loops; let others be `locked`"
+            raise SceneError(self._key, value, allowed)
+
+    def _is_decided(self) -> bool:
+        """Return whether the motion of everything does not change with the masses."""
         scene, masses = self.scene, np.linspace(1.0, 3.0, len(self.scene.mass))
         self.scene = copy(scene)
         self.scene.mass, self.scene.inertia = scene.mass * masses, scene.inertia / masses[:, None]
@@ -295,10 +308,7 @@ class Path(StaticEquations):
         self.scene = scene
         rows = conditions_of(scene, [hinge.name for hinge in scene.hinges]).jacobian(self.poses)
         rates = rows[-len(scene.hinges) :] @ np.stack([self.tangent, self._motion(solve)], axis=1)
-        if np.abs(np.diff(rates)).max() > FREEDOM_TOLERANCE * np.abs(rates).max():
-            allowed = "an opening that decides the motion of all others, by joints, springs or"
-            allowed += " loops; let others be `locked`"
-            raise SceneError(self._key, "(not the only freedom)", allowed)
+        return np.abs(np.diff(rates)).max() <= FREEDOM_TOLERANCE * np.abs(rates).max()
 
     def find_apart(self, openings: Sequence[str]) -> list[str]:
         """Return those of other joint coordinates, by name, that do not go as far as the one that

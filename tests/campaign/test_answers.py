@@ -176,6 +176,7 @@ def bench(monkeypatch):
         "_mispredictions": lambda bench, bounds, known: known,
         "_turning_points": lambda bench: [],
         "_is_rough": lambda surrogate: False,
+        "_follow_ends": lambda climbs, bounds, mispredictions: bounds,
     }.items():
         monkeypatch.setattr(quantity_bounds, name, value)
     monkeypatch.setattr(quantity_bounds._Climbs, "run", lambda climbs: None)

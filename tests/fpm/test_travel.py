@@ -146,6 +146,8 @@ def test_what_cannot_be_reached_is_told():
     start = scene.hinges[0].opening
     with pytest.raises(fpm.SceneError, match="openings that it can reach"):
         sweep(scene, "A", start, start + 0.8)
+    with pytest.raises(fpm.SceneError, match="singular position"):
+        sweep(scene, "A", 0.0, 1.5)
 
 
 def test_a_slide_is_led_by_its_way():

@@ -220,7 +220,13 @@ def test_impulses_of_pulses_shorter_than_a_step_are_exact_at_any_step(curve):
         energies = dict(outcome.energies)
         assert energies["kinetic"][-1] == pytest.approx(speed @ speed + 2 * rate**2, rel=1e-9)
         assert np.abs(energies["balance"]).max() < 1e-9 * energies["kinetic"].max()
-        assert step is not None or 0.8 * feature < outcome.step < 1.05 * feature
+        assert step is not None or 0.2 * feature < outcome.step < 0.26 * feature
+
+
+def test_a_rise_in_the_last_step_of_a_run_is_resolved():
+    scene = loads(PULSED.format(curve="times: [0.999, 1], values: [0, 1]")).build()
+    (outcome,) = simulate(scene, duration=1, instants=11)
+    assert outcome.points["c"][1][-1] == pytest.approx([0.1255, 0, 0.1255], rel=0.01)
 
 
 RAIL = "joints: {rail: {type: prismatic, parts: [ground, ball], at: c, axis: x}}\n"
@@ -248,7 +254,7 @@ def test_a_pulse_of_a_sprung_motor_is_an_impulse_at_any_step(case, step):
     right = 6e-4 * way(1 - (0.5018 if curve == LATE else 4e-4))
     assert outcome.openings["rail"][-1] == pytest.approx(right, rel=0.01)
     assert outcome.records["slide_motor_force"].values[0, 0] == pytest.approx(first)
-    assert np.abs(outcome.energies["balance"]).max() < 1e-11  # J, of 4 J in the drive train
+    assert np.abs(outcome.energies["balance"]).max() < 2e-11  # J, of 4 J in the drive train
 
 
 @pytest.mark.slow

@@ -72,6 +72,7 @@ def test_a_latch_catches_a_joint_that_turns_back_within_a_step(case, stiffness):
     for step in (0.025, 0.0125, 0.005, 0.004, BACK, *((0.001,) if exact is None else ())):
         (outcome,) = fpm.simulate(scene, duration=80 * step, instants=17, step=step)
         events = outcome.events[outcome.events[:, 2] == 0]
+        assert outcome.energies["kinetic"][0] == pytest.approx(motion[0] ** 2 / 2, abs=1e-12)
         if exact is None:
             assert len(events) == 0
             continue

@@ -98,10 +98,10 @@ class Solver:
     Curves of time get more instants if their pulses and kinks need them."""
     step: Annotated[float | OrAuto, Rule("`auto` or a number above 0", unit="s", above=0)] = "auto"
     """Time step. `auto` uses the largest step that is stable over the whole box, times `safety`,
-    but at most the time in which a curve of time rises or falls. The step is always shortened until
-    the recording interval is a whole number of steps. All runs of a campaign have the same step, so
-    that a run does not depend on its neighbours. With `auto` a run whose energy does not balance is
-    repeated with half the step, up to three times."""
+    but at most a quarter of the time in which a curve rises or falls. The step is always shortened
+    until the recording interval is a whole number of steps. All runs of a campaign have the same
+    step, so that a run does not depend on its neighbours. With `auto` a run whose energy does not
+    balance is repeated with half the step, up to three times, or nine if it has few steps."""
     safety: Annotated[float, Rule(above=0, most=1, unit="1")] = 0.9
     """Share of the stable step that `auto` uses."""
     energy_tolerance: Annotated[float, Rule(above=0, unit="1")] = 0.005

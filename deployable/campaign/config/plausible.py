@@ -186,9 +186,9 @@ def _time_texts(experiment: Any) -> Iterator[str]:
             )
     if solver.step != "auto" and solver.step > feature:
         yield (
-            f"solver.step: {solver.step:g} s is longer than {feature:.3g} s, in which a curve of "
-            "time rises or falls: its mean over each step acts, but its instant is not resolved; "
-            f"take auto, or at most {feature:.3g}"
+            f"solver.step: {solver.step:g} s is longer than {feature:.3g} s, a quarter of the time "
+            "in which a curve of time rises or falls: its mean over each step acts, but its "
+            f"instant is not resolved; take auto, or at most {feature:.3g}"
         )
 
 

@@ -317,10 +317,10 @@ def make_plan(experiment: Experiment, time: TimeStep | None = None) -> Plan:
 
 def choose_step(experiment: Experiment, corners: bool = True) -> TimeStep:
     """Choose one time step for all runs: the safety factor times the largest stable step, at most
-    the finest feature of curves of time, or the config's step, shortened to divide the time between
-    instants. corners: whether stability is computed at every corner of the box too (of more than
-    eight intervals, at the ends of each and where the worse ends meet). Raises `CampaignError` for
-    more steps than `MOST_STEPS`."""
+    a quarter of the finest feature of curves, or the config's step, shortened to divide the time
+    between instants. corners: whether stability is computed at every corner of the box too (of more
+    than eight intervals, at the ends of each and where the worse ends meet). Raises `CampaignError`
+    for more steps than `MOST_STEPS`."""
     solver, box = experiment.solver, experiment.box
     limit, finest, element, energy = math.inf, math.inf, "", 0.0
     points, steps = [np.zeros(box.dimension), *(box.corners() if corners else ())], []

@@ -27,10 +27,7 @@ from fpm.elements.joints.joint_types import TYPES, OpeningType
 from fpm.elements.joints.turn import Turn
 from fpm.elements.kind import AXES, ElementType, Series, VirtualBeam, Watch
 from fpm.elements.openings.opening import opening_angle
-from fpm.errors import SceneError
-
-_MOST_TURN = 0.25
-"""Turn of a body in a step (rad) at which its joints surely close."""
+from fpm.errors import SceneError, describe_turn
 
 
 def gap_watches(noun: str, gap: str, tilt: str, remedy: str, dead_end=None) -> tuple[Watch, Watch]:
@@ -40,11 +37,8 @@ def gap_watches(noun: str, gap: str, tilt: str, remedy: str, dead_end=None) -> t
 
     def failure(values: dict[str, float]) -> tuple[str, str]:
         cause = f"a {noun} is open by {values[gap]:.2g} m and {values[tilt]:.2g} rad"
-        turn, step = values["turn"], values["step"]
-        if not _MOST_TURN < turn < math.inf:
-            return cause, remedy
-        cause += f", as a body turns by {turn:.2g} rad in a step, at {turn / step:.3g} rad/s"
-        return cause, f"take a solver.step of at most {_MOST_TURN * step / turn:.2g} s"
+        turn_words, turn_remedy = describe_turn(values["turn"], values["step"])
+        return (f"{cause}, as {turn_words}", turn_remedy) if turn_words else (cause, remedy)
 
     return (
         Watch(gap, MOST_GAP, True, failure, True, dead_end=dead_end),

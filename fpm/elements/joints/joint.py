@@ -102,8 +102,8 @@ class Joint(JointBase):
         "joint",
         "joint_gap",
         "joint_tilt",
-        "halve solver.step; or the joints contradict each other: rigid bodies in a loop can only "
-        "move if lengths and axes fit",
+        "halve solver.step (auto does, and finds out if it helps); or the joints contradict each "
+        "other: rigid bodies in a loop can only move if lengths and axes fit",
         _describe_singularity,
     )
 

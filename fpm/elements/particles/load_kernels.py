@@ -7,16 +7,16 @@ import numpy as np
 from fpm.kernels.curves import kick_mean
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import load, store
-from fpm.kernels.layout import F, M, X
-from fpm.kernels.rotation import frame
-from fpm.kernels.vectors import add3, cross, dot, get3, put3, to_global
+from fpm.kernels.layout import BY_SPIN, D2, D3, HALF, F, M, P, X
+from fpm.kernels.rotation import frame, half_turn
+from fpm.kernels.vectors import add3, cross, dot, get3, put3, to_global, to_local
 
 NUMBERS = "force", "moment", "arm"
 FORCE, MOMENT, ARM = 0, 3, 6
 
-# Of a load, at the start of the step: the end of its arm, and the particle's axes (3 each).
-END, AXES = 0, 3
-STATE = 12
+# Of a load, at the start of the step: the end of its arm; then the particle's axes, at D2 and D3.
+END = 0
+STATE = 9
 
 
 class Loads(NamedTuple):
@@ -44,25 +44,24 @@ def forces(part, world, timing):
         add3(state, i, F, force)
         add3(state, i, M, moment + cross(arm, force))
         put3(part.state, n, END, get3(state, i, X) + arm)
-        for k in range(3):
-            put3(part.state, n, AXES + 3 * k, axes[k])
+        for k in (D2, D3):
+            put3(part.state, n, k, get3(state, i, k))
 
 
 @hook(Loads)
 def work_after(part, world, timing):
     """Add the work (J) of loads in this step: mean of the curve over both kicks, times force and
-    moment, times the motion. That of a constant force is exact however its arm turns. Of a rotation
-    by t, the products of the axes give the sine, from which t follows by a series."""
+    moment, times the motion. That of a constant force is exact however its arm turns. Rotations
+    follow from momenta, of driven particles from spins, so that whole turns in a step count."""
     state = world.state
     total = 0.0 * load(state, 0, X)
     for n in range(part.particle.shape[0]):
         i = part.particle[n]
-        axes = frame(state, i)
-        end = get3(state, i, X) + to_global(axes, get3(part.numbers, n, ARM))
-        rotation = 0.5 * cross(get3(part.state, n, AXES), axes[0])
-        for k in range(1, 3):
-            rotation = rotation + 0.5 * cross(get3(part.state, n, AXES + 3 * k), axes[k])
-        rotation = (1.0 + (1.0 / 6.0) * dot(rotation, rotation)) * rotation
+        end = get3(state, i, X) + to_global(frame(state, i), get3(part.numbers, n, ARM))
+        axes, spin = frame(part.state, n), get3(state, i, P)
+        half = half_turn(to_local(axes, spin), get3(world.particles, i, HALF))
+        by_spin = timing.step * load(world.particles, i, BY_SPIN)
+        rotation = 2.0 * to_global(axes, half) + by_spin * spin
         factor = kick_mean(world, part.curve[n], timing)
         factor = 0.5 * (factor + kick_mean(world, part.curve[n], timing, 1))
         work = dot(get3(part.numbers, n, FORCE), end - get3(part.state, n, END))

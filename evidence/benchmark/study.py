@@ -18,8 +18,6 @@ _PARTS = {
     "starting": (overheads.GROUP, lambda n: overheads.time_start(3)),
     "compiling": (overheads.GROUP, lambda n: overheads.time_compilation()),
     "campaign": (campaigns.GROUP, lambda n: campaigns.paper(repeats=3 if n == 1 else 1)),
-    "runs": (campaigns.MANY_GROUP, lambda n: campaigns.many_runs(1024 // n, 3 if n == 1 else 1)),
-    "deploys": (campaigns.MANY_GROUP, lambda n: campaigns.deploys(2 if n == 1 else 1)),
     "exudyn": (compare.GROUP, lambda n: compare.exudyn(0.1, 3)),
 }
 

@@ -98,7 +98,7 @@ def exudyn(duration: float, repeats: int, cases=None) -> list[Row]:
     count = beam_count(scene)
     name = f"ours: 4 x {ELEMENTS} elements, a sample of a batch of 32"
     rows = [info(name, cost, COST, f"error of BD {error:.2g} m (rms)")]
-    description = describe(scene, ignore=("Contact",))
+    description = describe(scene)
     task = {"structure": description, "duration": duration, "instants": 11, "runs": EXUDYN[:cases]}
     exact = []
     for answer in ask(python, task):

@@ -53,14 +53,6 @@ def test_the_number_of_runs_is_known_without_a_plan(raw):
         assert count_runs(config.experiment) == len(make_plan(config.experiment).runs)
 
 
-def test_a_longer_order_reuses_the_runs_that_exist(raw):
-    raw["design"] = {"method": "tensor_lobatto", "order": 4}
-    small = {run.id for run in by_role(plan_of(raw), "node")}
-    raw["design"]["order"] = 8
-    large = {run.id for run in by_role(plan_of(raw), "node")}
-    assert small < large
-
-
 @pytest.mark.parametrize(
     "change",
     [

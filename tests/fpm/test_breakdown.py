@@ -8,7 +8,6 @@ import pytest
 import fpm
 from deployable.campaign.config.sections import scene_type
 from evidence.extremes.stable_step import bennett
-from evidence.extremes.true_limit import disturb, true_limit
 
 STEEL = fpm.Material(2.1e11, 0.3, 7850.0)
 WOOD = fpm.Material(1e10, 0.3, 600.0)
@@ -64,15 +63,6 @@ def test_slow_growth_is_caught_while_all_numbers_are_finite():
     failure = outcome.failure
     assert failure.time <= 500 * failure.step
     assert 0.02 * failure.scale < abs(failure.balance) < 1e6 * failure.scale
-
-
-@pytest.mark.slow
-def test_a_linkage_at_its_own_limit():
-    """0.5 % above the limit of the motion itself (found by bisection) it fails, below it runs."""
-    scene = disturb(bennett(elements=4), 1e-4)
-    limit = true_limit(scene, 1e-3)
-    assert run(scene, step=1.005 * limit)[0].failure is not None
-    assert run(scene, step=0.998 * limit)[0].failure is None
 
 
 def test_a_contact_sets_a_step_that_its_impacts_need():

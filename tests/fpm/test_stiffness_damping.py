@@ -4,13 +4,9 @@ import numpy as np
 import pytest
 
 import fpm
-from evidence.verification.relax import mode_shape
-from evidence.verification.vibration import modes
-from fpm.elements import BarDamping
 from fpm.structures import loads
 from fpm.structures.describe import describe
 
-ZETA = 0.05
 HELD = {"bending": ("y", "xz"), "axial": ("yz", "xyz"), "torsion": ("xyz", "yz")}
 
 
@@ -24,18 +20,6 @@ def bar(motion: str, beta: float = 0.0) -> fpm.Scene:
     scene.fix(bar[0])
     scene.add_point("end", int(bar[-1]), (1.0, 0.0, 0.1))
     return scene
-
-
-def set_off(motion: str, mode: int, beta: float | None = None):
-    """The bar, set off in one of its modes, which is damped by ZETA or by `beta` (s); its frequency
-    (rad/s), and the velocity of its end."""
-    plain = bar(motion)
-    frequency = modes(plain, "cantilever" if motion == "bending" else motion)[mode]
-    shape = 1e-5 * frequency * mode_shape(plain, frequency)
-    scene = bar(motion, 2 * ZETA / frequency if beta is None else beta)
-    scene.velocity += shape[:, :3]
-    scene.spin += shape[:, 3:]
-    return scene, frequency, shape[-1, :3] + np.cross(shape[-1, 3:], (0, 0, 0.1))
 
 
 @pytest.mark.slow
@@ -127,19 +111,6 @@ bars:
 joints: {knee: {type: fixed, parts: [soft, stiff], at: b}}
 supports: {foot: {part: soft, at: a}}
 """
-
-
-@pytest.mark.slow
-def test_samples_with_and_without_it_run_side_by_side_as_alone():
-    scenes = [set_off("torsion", 0, beta=beta)[0] for beta in (0.0, 1e-4, 3e-4)]
-    step = 0.9 * fpm.find_stable_step(scenes[-1]).step
-    together = fpm.simulate(scenes, duration=1000 * step, instants=11, step=step)
-    for scene, outcome in zip(scenes, together, strict=True):
-        (alone,) = fpm.simulate(scene, duration=1000 * step, instants=11, step=step)
-        assert (alone.points["end"][0] == outcome.points["end"][0]).all()
-    taken = [outcome.energies["damping_work"][-1] for outcome in together]
-    assert taken[0] == 0 < taken[1] < taken[2]
-    assert len(BarDamping.find(scenes[0])) == 0 < len(BarDamping.find(scenes[1]))
 
 
 def test_a_structure_says_what_it_does_to_the_stable_step():

@@ -176,30 +176,6 @@ def test_a_tube_is_a_rod_less_a_rod_and_a_rod_is_the_closed_form():
         assert same[2] == pytest.approx(line, rel=1e-12)
 
 
-@pytest.mark.parametrize("turn", ["0 deg", "130 deg"])
-def test_plates_are_what_a_fine_grid_of_them_is(turn):
-    """A trapezium, in any frame, and the box that a rectangle with a thickness is."""
-    axis, angle = np.array([1, 2, -2]) / 3, float(turn.split()[0])
-    turned = Rotation.from_rotvec(np.radians(angle) * axis).as_matrix()
-    places = {"A": "0, 0, 0", "C": "1 m, 0, 0", "D": "0.4 m, 0.5 m, 0", "E": "0, 0.5 m, 0"}
-    points = {n: f'"rotate([{p}], [1, 2, -2], {turn})"' for n, p in places.items()}
-    text = SHAPE.replace(SHAPE.splitlines()[1], f"points: {points}".replace("'", ""))
-    _, place, tensor = body("type: plate, corners: [A, C, D, E], mass: 3", text)
-    y = (np.arange(4000) + 0.5) / 8000
-    width = 1 - 1.2 * y
-    weight = 3 * width / width.sum()
-    centre = np.array([weight @ width / 2, weight @ y, 0]) / 3
-    xx, yy = weight @ (width**2 / 3) - 3 * centre[0] ** 2, weight @ y**2 - 3 * centre[1] ** 2
-    xy = weight @ (y * width / 2) - 3 * centre[0] * centre[1]
-    exact = np.array([[yy, -xy, 0], [-xy, xx, 0], [0, 0, xx + yy]])
-    assert place == pytest.approx(turned @ centre, abs=1e-7)
-    assert tensor == pytest.approx(turned @ exact @ turned.T, abs=1e-6)
-    plate = "type: plate, corners: [A, C, D, E], density: 100, thickness: 0.2"
-    box = "mass: 10, centre: A, box: [1, 0.5, 0.2]"
-    assert body(plate)[2] == pytest.approx(body(box)[2])
-    assert body(plate)[1] == pytest.approx([0.5, 0.25, 0])
-
-
 SHAPE_REFUSALS = (
     ("type: rod, from: A, to: A, mass: 1", "bodies.body.to: 'A' is not allowed"),
     ("type: rod, from: A, to: B", "mass: missing; allowed: either `mass` or `density`"),

@@ -128,32 +128,6 @@ LATCHES = """
 """
 
 
-@pytest.mark.parametrize("way", [1, -1])
-@pytest.mark.parametrize("stowed", [False, True])
-def test_the_travel_of_runs_that_start_apart_is_that_of_them_all(way, stowed):
-    """From the first of their starts, or where each is led from its own, from the nominal one, to
-    the nearest stop of the hinge that is led, the farthest of all runs."""
-    side = "upper" if way > 0 else "lower"
-    build = structures.loads(PANEL.replace("SIDE", side).replace("5 deg", f"{5 * way} deg")).build
-    scenes = [
-        build(start=way * start, far=way * far, near=way * near)
-        for start, far, near in ((2, 80, 70), (-3, 85, 72), (1, 80, 71))
-    ]
-    along = SimpleNamespace(first=way * np.radians(1), last=way)
-    travel = mechanism.travel_of(scenes, ["hinge"], along, stowed)
-    assert np.degrees(travel) * way == pytest.approx([1 if stowed else -3, 72])
-    started = [build(start=way * 5, far=way * 30, near=way * 25)]
-    assert np.degrees(mechanism.travel_of(started, ["hinge"], along, False)) * way == (
-        pytest.approx([5, 25])
-    )
-    scenes = [build(start=0, far=way * 20, near=way * 10)]
-    assert mechanism.travel_of(scenes, ["hinge"], along, False)[1] == pytest.approx(
-        way * np.radians(10)
-    )
-    scenes = [build(start=0, far=-way * 20, near=-way * 10)]  # both behind it
-    assert mechanism.travel_of(scenes, ["hinge"], along, False) is None
-
-
 def test_latches_on_the_way_are_those_between_its_ends():
     """Of openings that are led, but for one at either end; with latches the farthest one ends the
     travel, whatever stops there are."""

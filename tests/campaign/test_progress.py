@@ -15,10 +15,8 @@ import fpm
 from deployable import campaign
 from deployable.campaign.answers.estimate import _duration, estimate
 from deployable.campaign.runs.progress import (
-    STEPS,
     MessagePrinter,
     progress_of,
-    report_seconds,
     warm_up,
 )
 from deployable.campaign.text.numbers import duration_text, size_text
@@ -98,15 +96,6 @@ def ticks(monkeypatch):
     """Looks at a step come at once, so does what a log is told."""
     monkeypatch.setattr("deployable.campaign.runs.progress.TICK", 0.01)
     monkeypatch.setattr("deployable.campaign.runs.progress.FIRST", 0.0)
-
-
-def test_of_steps_within_steps_the_innermost_is_told_and_its_line_goes(ticks):
-    terminal = Terminal()
-    notify = MessagePrinter(terminal)
-    with report_seconds("bounds", notify), report_seconds("compiling", notify):
-        time.sleep(0.1)
-    assert "compiling, 0 s" in terminal.getvalue() and "bounds" not in terminal.getvalue()
-    assert terminal.getvalue().endswith("\x1b[2K") and not STEPS
 
 
 @pytest.mark.parametrize(

@@ -155,24 +155,6 @@ def test_latches_on_the_way_are_those_between_its_ends():
         assert known["at"] == {"far": 80.0} and known["unit"] == "rad"
 
 
-@pytest.mark.parametrize(
-    ("first", "starts", "vary"),
-    [("stow", [1, 4], True), ("stow", [1, 1], False), ("3 deg", [1, 4], False)],
-)
-def test_starts_vary_where_each_run_is_led_from_its_own(first, starts, vary):
-    text = PANEL.replace("SIDE", "upper")
-    scenes = [structures.loads(text).build(start=start) for start in starts]
-    definition = {"margin": "hinge", "from": first, "to": "60 deg", "standard": ECSS}
-    response = parse("m", definition, scenes[0])
-    experiment = SimpleNamespace(
-        responses={"m": definition}, intervals=["start"], nominal=(1.0,), nominal_scene=scenes[0]
-    )
-    run = margins.sweep_travel(scenes[0], [response])
-    row = {"argmin": {"start": 1.0}}
-    known = mechanism.margin_of(experiment, scenes, response, row, lambda *_: run)
-    assert known["starts_vary"] is vary
-
-
 def test_settings_of_ones_own_are_told_with_those_of_the_standard():
     own = {
         "uncertainty_factors": {"FR": 0.1},

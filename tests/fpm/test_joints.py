@@ -142,25 +142,6 @@ def test_momentum_of_free_bodies_is_kept():
     np.testing.assert_allclose(after, before, rtol=1e-5, atol=1e-6)
 
 
-@pytest.mark.slow
-def test_a_point_held_along_axes_slides_in_the_others():
-    """A rod whose ends are held on the axes x and y: Cardan's ellipse, and the time it takes."""
-    scene = double_pendulum()  # another structure beside it, which is no matter
-    lean = np.radians(60.0)
-    bar = rod(scene, (0, np.sin(lean), 0), (np.cos(lean), 0, 0))
-    scene.hold_point("wall", bar, (0, np.sin(lean), 0), "xz")
-    scene.hold_point("floor", bar, (np.cos(lean), 0, 0), "yz")
-    scene.add_point("foot", bar, (np.cos(lean), 0, 0))
-    outcome = run(scene, duration=0.5)
-
-    def rates(_, y):  # M = 1/3, V = g sin(q) / 2
-        return [y[1], -1.5 * G * np.cos(y[0])]
-
-    found = solve_ivp(rates, (0, 0.5), [lean, 0.0], method="DOP853", rtol=1e-12, atol=1e-12)
-    foot = outcome.points["foot"][0][-1]
-    np.testing.assert_allclose(foot, [np.cos(found.y[0, -1]), 0, 0], atol=1e-5)
-
-
 def test_what_a_joint_refuses():
     scene, ground = on_ground()
     bar = rod(scene, (0, 0, 0), (1, 0, 0))

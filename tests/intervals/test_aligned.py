@@ -178,18 +178,6 @@ def test_margins_that_no_spline_predicts_tell_only_where_they_are_near_zero():
     assert unseen_difference(points, margins - 20, TIME, runs) == 1.0
 
 
-def test_bounds_contain_every_run_and_are_attained_where_they_say():
-    design, points = runs(4)
-    data = samples(brake, points)
-    bounds = bounds_dataset(data, design, model="aligned")
-    assert (data["values"] >= bounds["lower"] - 1e-12).all()
-    assert (data["values"] <= bounds["upper"] + 1e-12).all()
-    at = 100  # before any run has come to the stop
-    for side, where in (("lower", "argmin"), ("upper", "argmax")):
-        x = bounds[where].values[0, at]
-        assert brake(x)[0][0][at] == pytest.approx(bounds[side].values[0, at], abs=1e-4)
-
-
 def test_events_that_not_all_runs_have_or_that_come_together_are_not_shared():
     tables = np.full((3, 3, 3), np.nan)
     for i, row in enumerate(tables):

@@ -115,23 +115,6 @@ def test_the_next_coefficient_of_one_direction_is_told_by_five_runs(degree):
     assert left == pytest.approx(MAX_TAIL_RATIO * largest, rel=1e-9)
 
 
-CORNERS = np.array([[-1.0, -1.0], [1.0, 1.0], [1.0, -1.0], [-1.0, 1.0]])
-LINE = np.array([[-0.9, 0.1], [-0.3, 0.1], [0.2, 0.1], [0.6, 0.1], [1.0, 0.1]])
-
-
-@pytest.mark.parametrize("unit", [CORNERS, LINE, LINE[:, ::-1]])
-def test_runs_that_see_the_same_overrule_nothing(unit):
-    """Of x^2 - y^2 at opposite corners, where it is zero, a linear surrogate tells nothing; nor of
-    one direction runs on a line along the other."""
-    design = make_design("tensor_roots", 2, 1)
-    x, y = design.points.T
-    surrogate = fit(design, (x + x**2 - y**2)[:, None] * np.ones(3))
-    missed = np.zeros((len(unit), 3))
-    told = estimate_decay(surrogate, TIME)
-    left = limit_decay(surrogate, design.points, unit, missed, told, TIME)
-    np.testing.assert_array_equal(left, told)
-
-
 @pytest.mark.parametrize(
     ("directions", "expected"), [(0, 2.5), (1, 2.5), (2, 7.5**0.5), (3, 25.0 ** (1 / 3)), (4, 4.0)]
 )

@@ -23,7 +23,6 @@ from deployable.intervals.scalars import (
     fit_scalar,
     share_borders,
     share_of_box,
-    shares_of_box,
     sub_box,
 )
 
@@ -491,17 +490,3 @@ def test_a_kind_of_fit_that_predicts_far_worse_has_no_say():
     share, open_ = share_of_box([limit], np.ones(3), lines=512)
     other, _ = share_of_box([limit.rival], np.ones(3), lines=512)
     assert abs(share - np.pi / 6) <= open_ + 1e-3 < 0.2 * abs(other - share)
-
-
-def test_sets_of_limits_have_the_shares_of_each_and_a_surrogate_is_evaluated_once(monkeypatch):
-    points = scan_points(np.ones(2, bool), 20)
-    surrogate = fit_scalar(points, points @ [1.0, 0.3])
-    limits = [Limit(surrogate, "at_most", level) for level in (-0.5, 0.0, 0.5)]
-    sets, calls = [*([limit] for limit in limits), limits[1:]], []
-    alone = [share_of_box(some, np.ones(2)) for some in sets]
-    predict = type(surrogate).predict
-    monkeypatch.setattr(
-        type(surrogate), "predict", lambda s, x: calls.append(len(x)) or predict(s, x)
-    )
-    np.testing.assert_allclose(shares_of_box(sets, np.ones(2)), alone, rtol=0, atol=1e-12)
-    assert sum(calls) < 2048 * 65 * 1.3  # and the other kind of fits on a quarter of the lines

@@ -19,12 +19,15 @@ RAW = {
     "intervals": {
         "k": {"lower": 0.05, "upper": 0.3},
         "dry": {"lower": 0.0, "upper": 0.08},
-        "end": {"lower": 80, "upper": 100},
     },
     "responses": {"open": {"opening": "hinge"}},
-    "quantities": {"t_lock": {"event": "latches"}, "top": {"largest": "open"}},
-    "accuracy": {"tolerance": 0.01, "max_runs": 180},
-    "requirements": {"soon": {"t_lock": {"at_most": 1.5}}},
+    "quantities": {
+        "t_lock": {"event": "latches"},
+        "t_half": {"crossing": "open", "level": "45 deg"},
+        "top": {"largest": "open"},
+    },
+    "accuracy": {"tolerance": 0.01, "max_runs": 173},
+    "requirements": {"soon": {"t_lock": {"at_most": 2.77}}},
     "choose": {"parameters": {"end": [80, 100]}, "minimise": ["upper(t_lock)"]},
 }
 

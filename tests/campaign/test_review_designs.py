@@ -3,7 +3,6 @@ sheet knows of the mechanism, and which design fails, where and why, from `revie
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -72,21 +71,6 @@ def test_a_requirement_of_a_margin_replaces_none(tmp_path, taken):
     found = load_config(path).requirements
     assert all(found[name] == {"q": {"at_most": 1}} for name in taken)
     assert found["m_margin" if taken else "m"] == {"m_least": {"at_least": 0.0}}
-
-
-@pytest.mark.parametrize(
-    ("out", "refused"),
-    [([LEFT], ""), ([RIGHT], ""), ([], "nothing is out"), ([LEFT, RIGHT], "is out; allowed"),
-     (["rub"], "rub is out"), (["wires"], "`without` one of")],
-)  # fmt: skip
-def test_factors_of_a_spring_out_take_one_of_several_springs_that_drive(tmp_path, out, refused):
-    one = MARGIN | {"standard": NASA, "evidence": "spring out", "without": out}
-    path = config(tmp_path, margins={"m": one})
-    if not refused:
-        load_config(path)
-        return
-    with pytest.raises(ConfigError, match=re.escape(refused)):
-        load_config(path)
 
 
 @pytest.mark.parametrize("rest", [0, -90])

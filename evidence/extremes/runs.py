@@ -1,4 +1,4 @@
-"""Extremes of how a run is made: starts, meshes, durations, damping."""
+"""Extremes of how a run is made: starts, durations, damping."""
 
 from dataclasses import replace
 
@@ -7,11 +7,7 @@ import numpy as np
 import fpm
 from deployable.campaign.config.sections import scene_type
 from evidence.extremes.judge import judge, persist
-from evidence.linkage.runs import (
-    BALANCE,
-    curves,
-    imbalance,
-)
+from evidence.linkage.runs import BALANCE, curves, imbalance
 from evidence.linkage.runs import simulate as run
 from evidence.rows import Row, at_most
 

@@ -23,11 +23,6 @@ def experiment(raw):
     return check_config(raw | {"quantities": {"top": {"largest": "BD"}}}).experiment
 
 
-def whole(runs: int) -> int:
-    """Runs that fill eight lanes."""
-    return 8 * -(-runs // 8)
-
-
 SHARES = {name: {"surrogate": 0.2} for name in ("BD", "vBz", "top")}
 
 
@@ -36,23 +31,6 @@ def after(plan, action, nodes, **more):
     action."""
     done = Round(16, 0.5, action, "", SHARES, 6, 0.5, 2.0, nodes)
     return replace(plan, adaptive=replace(plan.adaptive, rounds=(done,), **more))
-
-
-@pytest.mark.parametrize(("action", "new"), [("runs", 3), ("check", 0), ("mesh", 8), ("step", 8)])
-def test_costs_of_rounds_add_up(experiment, action, new):
-    """`new` of eight nodes were run in this round; a finer mesh or step runs all of them."""
-    plan = start_plan(experiment)
-    nodes = len(plan.unique_runs)
-    assert nodes == 8
-    before = nodes - new if action == "runs" else nodes
-    cost = _refinement_state(after(plan, action, before, check=()), SHARES).cost
-    assert cost.runs == 16 + new
-    assert cost.seconds == pytest.approx(2.0 + whole(new) * cost.run_seconds)
-    both = _refinement_state(after(plan, action, before, check=("step", "mesh")), SHARES).cost
-    assert both.runs - cost.runs == 2 * cost.check_runs
-    assert both.seconds - cost.seconds == pytest.approx(
-        (2 + 4) * whole(cost.check_runs) * cost.run_seconds
-    )
 
 
 @pytest.fixture

@@ -170,25 +170,6 @@ def test_the_exit_status_tells_of_unmet_requirements_where_asked(tmp_path, capsy
     assert "has no requirements" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize(
-    ("k", "ends"),
-    [
-        ({"nominal": 0.1, "relative": 0.05}, (0.19, 0.21)),
-        ({"nominal": 0.1, "absolute": 0.02}, (0.18, 0.22)),
-        ({"lower": 0.08, "upper": 0.11, "nominal": 0.1}, (0.18, 0.21)),
-    ],
-)
-def test_an_interval_follows_its_nominal_value(k, ends):
-    """About the given one it is as given; about another only a relative one grows."""
-    choose = {"parameters": {"k": [0.1, 0.2]}, "minimise": "upper(t_open)"}
-    wanted = campaign.check_config(panel(quantities=QUANTITIES, intervals={"k": k}, choose=choose))
-    given = wanted.experiment.intervals["k"]
-    here = wanted.choose.interval("k", 0.1, wanted.experiment)
-    assert here == pytest.approx((given.lower, given.upper))
-    assert wanted.choose.interval("k", 0.2, wanted.experiment) == pytest.approx(ends)
-    assert wanted.choose.ends("k", wanted.experiment) == pytest.approx((given.lower, ends[1]))
-
-
 def test_better_choices_that_only_the_nearest_run_speaks_against_are_looked_at():
     """The nearest of them first; not those that a margin turns down, nor those that are worse."""
     choose = Choose({"k": (0.0, 1.0)}, ("upper(v)",), (), 4, ())

@@ -87,58 +87,6 @@ def test_a_spring_that_only_resists_is_none_of_several_that_drive(tmp_path, rest
         load_config(path)
 
 
-PANEL = """
-name: panel
-parameters:
-  start: {value: 0, unit: deg, range: [-90, 90], description: opening at the start}
-  far: {value: 80, unit: deg, range: [-180, 180], description: a stop}
-  near: {value: 70, unit: deg, range: [-180, 180], description: another one}
-points: {a: [0, 0, 0], b: [1, 0, 0], c: [0, 5, 0], d: [1, 5, 0]}
-bodies:
-  sheet: {mass: 1 kg, centre: b, box: [1, 1, 0.01], points: [a]}
-  lid: {mass: 1 kg, centre: d, box: [1, 1, 0.01], points: [c]}
-joints:
-  hinge: {type: revolute, parts: [ground, sheet], at: a, axis: z, opening: start}
-  other: {type: revolute, parts: [ground, lid], at: c, axis: z}
-actions:
-  s1: {type: stop, joint: hinge, SIDE: far, stiffness: 100}
-  s2: {type: stop, joint: hinge, SIDE: near, stiffness: 100}
-  s3: {type: stop, joint: other, SIDE: 5 deg, stiffness: 100}
-"""
-LATCHES = """
-  l1: {type: latch, joint: hinge, angle: inner, side: AT, stiffness: 100, damping: 1}
-  l2: {type: latch, joint: hinge, angle: outer, side: AT, stiffness: 100, damping: 1}
-  l3: {type: latch, joint: other, angle: 6 deg, side: AT, stiffness: 100, damping: 1}
-"""
-
-
-def test_latches_on_the_way_are_those_between_its_ends():
-    """Of openings that are led, but for one at either end; with latches the farthest one ends the
-    travel, whatever stops there are."""
-    text = PANEL.replace("SIDE", "upper") + LATCHES.replace("AT", "below")
-    text = text.replace("  near:", "  inner: {value: 0, unit: deg, range: [-180, 180]}\n"
-                        "  outer: {value: 0, unit: deg, range: [-180, 180]}\n  near:")  # fmt: skip
-    build = structures.loads(text).build
-    definition = {"margin": "hinge", "from": "10 deg", "to": "60 deg", "standard": ECSS}
-    for inner, outer, names in (
-        (20, 30, ["l1", "l2"]), (10.001, 59.999, ["l1", "l2"]), (10, 60, []), (9, 61, []),
-        (60, 30, ["l2"]),
-    ):  # fmt: skip
-        scene = build(inner=inner, outer=outer, start=2)
-        response = parse("m", definition, scene)
-        experiment = SimpleNamespace(
-            responses={"m": definition}, intervals=["far"], nominal=(80.0,), nominal_scene=scene
-        )
-        run = margins.sweep_travel(scene, [response])
-        row = {"argmin": {"far": None}}
-        known = mechanism.margin_of(experiment, [scene], response, row, lambda *_, run=run: run)
-        assert known["latches"] == names
-        assert known["travel"] == pytest.approx(np.radians([2, max(inner, outer)]))
-        assert (known["first"], known["last"]) == pytest.approx(np.radians([10, 60]))
-        assert known["openings"] == ["hinge"] and not known["starts_vary"]
-        assert known["at"] == {"far": 80.0} and known["unit"] == "rad"
-
-
 def test_settings_of_ones_own_are_told_with_those_of_the_standard():
     own = {
         "uncertainty_factors": {"FR": 0.1},

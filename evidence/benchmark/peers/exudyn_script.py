@@ -1,10 +1,9 @@
 """The linkage in Exudyn: a script for the interpreter that has Exudyn, whatever its version.
 
-Reads {"structure": ..., "duration": s, "instants": n, "runs": [...]} from the file
-named in its first argument, and prints one JSON object per run, with the places of the structure's
-named points at the instants. The compiled module without range checks is taken. Beams are
-geometrically exact. Joints are ideal where the integrator is implicit, stiff springs where it is
-explicit (which takes no constraints)."""
+Reads {"structure": ..., "duration": s, "instants": n, "runs": [...]} from the file named in its
+first argument, and prints one JSON object per run, with the places of the structure's named points
+at the instants. The compiled module without range checks is taken. Beams are geometrically exact.
+Joints are ideal, or stiff springs with an explicit integrator, which takes no constraints."""
 
 import json
 import sys

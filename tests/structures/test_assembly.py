@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from structures_for_tests import FOURBAR, refused
+from structures_for_tests import FOURBAR
 
 import fpm
 from fpm.assembly import MisfitError, assemble
@@ -164,20 +164,6 @@ def test_scenes_in_which_nothing_moves_are_assembled_or_refused():
     scene.add_joint("open", "spherical", pair, [(0, 0, 0), (0.1, 0, 0)])
     with pytest.raises(MisfitError, match=r"joint open = '0.1 m apart' is not allowed"):
         assemble(scene)
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "said"),
-    [
-        ("assemble: {hold: [A]}", "assemble: maybe", "assemble: 'maybe' is not allowed; allowed"),
-        ("{hold: [A]}", "{hold: [K]}", "assemble.hold: there is no joint 'K'"),
-        ("{hold: [A]}", "false", "or `assemble: true`"),
-        ("A: {type: revolute, parts: [ground, AB], at: A, axis: z}",
-         "A: {type: spherical, parts: [ground, AB], at: A}", "the name of a revolute or prismatic"),
-    ],
-)  # fmt: skip
-def test_wrong_ways_to_ask_for_it_are_refused(old, new, said):
-    refused(FOURBAR, old, new, said)
 
 
 def test_an_opening_that_forcing_changes_is_told_beside_the_stated_one():

@@ -9,7 +9,7 @@ from structures_for_tests import FOLDER, SMALL, changed, structure
 import fpm
 from evidence.verification.deployables import scissor
 from fpm.elements.particles.drive import Drive
-from fpm.structures import StructureError, load, loads, report
+from fpm.structures import StructureError, load, loads
 from fpm.structures.plausible import warnings
 
 
@@ -41,22 +41,6 @@ def test_every_structure_of_the_library_is_a_scene_type(path):
 def test_the_exact_scissor_has_the_published_times():
     assert scissor(1)[0] == pytest.approx(0.449682123, abs=1e-9)
     assert scissor(3) == pytest.approx((1.302061615, 2.177764658), abs=1e-9)
-
-
-@pytest.mark.parametrize(
-    ("name", "values", "found"),
-    [
-        ("panel", {}, (1, 5, 0, 1)),
-        ("zfold", {}, (2, 10, 0, 2)),
-        # y, z, about x, about the line of both supports, and its opening; flat loops are redundant
-        ("scissor", {"n": 1}, (2, 7, 0, 5)),
-        ("scissor", {"n": 3}, (6, 37, 6, 5)),
-        # a spatial four-bar has no mobility by count, Bennett's has one; it slides in a plane
-        ("bennett", {}, (4, 22, 3, 5)),
-    ],
-)
-def test_mobility_and_redundancy(name, values, found):
-    assert tuple(report.mobility(structure(name).build(**values))) == found
 
 
 # -- parts of the language ------------------------------------------------------------------------

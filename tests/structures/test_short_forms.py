@@ -2,38 +2,11 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
-from scipy.spatial.transform import Rotation
 from structures_for_tests import changed, refused
 
 import fpm
-from fpm.arithmetic.expressions import parse
 from fpm.structures import loads
 from fpm.structures.plausible import warnings
-
-NUMBERS = st.floats(-1e6, 1e6).filter(lambda x: x == 0 or abs(x) > 1e-6)
-VECTORS = st.tuples(NUMBERS, NUMBERS, NUMBERS).map(np.array)
-AXES = VECTORS.filter(lambda vector: np.linalg.norm(vector) > 1e-3)
-
-
-@given(VECTORS, AXES, st.floats(-20, 20))
-def test_functions_of_vectors_are_those_of_other_libraries(a, b, angle):
-    size = np.linalg.norm(a)
-    for text, exact, scale in (
-        ("a + 0.3*(b - a)/2 - -b", a + 0.3 * (b - a) / 2 + b, size + np.linalg.norm(b)),
-        ("cross(a, b)", np.cross(a, b), size * np.linalg.norm(b)),
-        ("dot(a, b)", a @ b, size * np.linalg.norm(b)),
-        ("norm(a)", size, size),
-        ("unit(b)", b / np.linalg.norm(b), 1.0),
-        # A rotation vector is rounded in proportion to its angle.
-        ("rotate(a, b, angle)", Rotation.from_rotvec(angle * b / np.linalg.norm(b)).apply(a),
-         size * max(1.0, abs(angle))),
-        ("[dot(a, [1, 0, 0]), a_y, a_z]", a, 0.0),
-    ):  # fmt: skip
-        value = parse(text).value({"a": a, "b": b, "angle": angle, "a_y": a[1], "a_z": a[2]})
-        np.testing.assert_allclose(value, exact, rtol=0, atol=4e-15 * scale)
-
 
 TEXT = """
 parameters:

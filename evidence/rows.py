@@ -31,19 +31,6 @@ class Row:
         """Whether the row was judged and found wanting."""
         return self.passed is False
 
-    @property
-    def utilization(self) -> float:
-        """How much of what is allowed the value takes, 1 at the limit; NaN where that is no number.
-
-        Rows of "at least" have none: there is no end to what is better."""
-        if not all(isinstance(x, int | float) for x in (self.value, self.reference)):
-            return math.nan
-        if self.sense == "within" and self.tolerance:
-            return abs(self.value - self.reference) / self.tolerance
-        if self.sense == "at most" and self.reference:
-            return abs(self.value / self.reference)
-        return math.nan
-
     def plain(self) -> dict:
         """The row for a JSON file; numbers that are not finite become None."""
         return {

@@ -1,12 +1,7 @@
 """Extremes of the linkage's parameters: materials, sections, lengths, stiffnesses."""
 
-from collections.abc import Callable
-from functools import partial
-
-import fpm
 from evidence.extremes.judge import CURVE_ACCURACY, RATTLE, WHIP, judge
-from evidence.linkage.runs import build
-from evidence.rows import Row, refusal
+from evidence.rows import Row
 
 
 def materials() -> list[Row]:
@@ -59,23 +54,3 @@ def stiffnesses() -> list[Row]:
         rows += judge(f"K_F = {spring:g} N/rad", {"K_F": spring})
     rows += judge("K_F = 1000 N/rad", {"K_F": 1e3}, CURVE_ACCURACY, is_whole_run=True)
     return rows + judge("K_F = 10000 N/rad", {"K_F": 1e4}, WHIP, is_whole_run=True)
-
-
-def refusals() -> list[Row]:
-    """Values that make no structure: refused when the scene is built."""
-    wrong = (
-        {"nu": -1.0}, {"nu": 0.51}, {"E": 0.0}, {"E": -1e9}, {"rho": 0.0}, {"a": 0.0},
-        {"K_C": -1.0}, {"K_F": float("nan")}, {"E": float("inf")}, {"elements": 1},
-        {"start": 121.0}, {"inertia": 0.5}, {"inertia": 1e3}, {"a": 0.6}, {"damping": -1.0},
-    )  # fmt: skip
-    names = [", ".join(f"{k} = {v:g}" for k, v in parameters.items()) for parameters in wrong]
-    return [_must_refuse(n, partial(build, **p)) for n, p in zip(names, wrong, strict=True)]
-
-
-def _must_refuse(name: str, make: Callable[[], object]) -> Row:
-    """The row of what must be refused when a scene is built."""
-    try:
-        make()
-    except fpm.SceneError as error:
-        return refusal(name, error)
-    return Row(name, "built", passed=False, source="fpm.SceneError")

@@ -1,4 +1,4 @@
-"""Extremes of how a run is made: starts, meshes, durations, damping."""
+"""Extremes of how a run is made: starts, durations, damping."""
 
 from dataclasses import replace
 
@@ -6,16 +6,10 @@ import numpy as np
 
 import fpm
 from deployable.campaign.config.sections import scene_type
-from evidence.extremes.judge import attempt, compare, judge, persist
-from evidence.linkage.runs import (
-    BALANCE,
-    closing_time,
-    curves,
-    first_closing,
-    imbalance,
-)
+from evidence.extremes.judge import judge, persist
+from evidence.linkage.runs import BALANCE, curves, imbalance
 from evidence.linkage.runs import simulate as run
-from evidence.rows import Row, at_most, refusal
+from evidence.rows import Row, at_most
 
 CLOSURE = 120.0
 """Opening at B (degrees) between the folded bundle and closure."""
@@ -47,25 +41,6 @@ def starts() -> list[Row]:
     rows += judge(name, close, WAVES, **options)
     rows.append(rest("start at closure", {"start": CLOSURE}))
     rows.append(rest("K_F = 0", {"K_F": 0.0}))
-    return rows
-
-
-def meshes() -> list[Row]:
-    """2 to 64 elements a link, against 80; the tolerance is what a mesh promises."""
-    duration = closing_time()
-    expected = run(duration, elements=80)
-    rows = []
-    for elements, tolerance in (
-        (2, 0.002), (4, 0.002), (8, 5e-4), (16, 1e-4), (32, 5e-5), (64, 2e-5),
-    ):  # fmt: skip
-        name = f"{elements} elements a link"
-        outcome, error = attempt(duration, (elements, 0.9), {})
-        if outcome is None:
-            rows.append(refusal(name, error))
-            continue
-        end = 0.98 * min(first_closing(expected), first_closing(outcome))
-        source = "80 elements a link"
-        rows += compare(name, outcome, curves(expected), end, (tolerance, 0.02), source)
     return rows
 
 

@@ -14,10 +14,8 @@ GROUPS: dict[str, Callable[[], list[Row]]] = {
     "lengths": parameters.lengths,
     "stiffnesses": parameters.stiffnesses,
     "starts": runs.starts,
-    "meshes": runs.meshes,
     "durations": runs.durations,
     "damping": runs.damping,
-    "refusals": parameters.refusals,
 }
 
 

@@ -1,13 +1,10 @@
 """Cables against closed forms: slack and tight, running, wound, with friction, static."""
 
-from collections.abc import Iterator
-
 import numpy as np
 from scipy.integrate import solve_ivp
 
 import fpm
 from evidence.verification.bench import Bench, observed_orders
-from evidence.verification.capstan_events import Rope, phases
 from fpm.elements import Motor, TorqueMotor
 
 G = 9.81
@@ -195,84 +192,6 @@ def capstan(bench: Bench) -> None:
         bench.check_small(f"{name}: energy balance", worst, 1e-5, "with what friction took", "work")
 
 
-EYELETS = {
-    1: [(3, 5)],
-    2: [(0, 5), (3, 5)],
-    3: [(0, 5), (1.5, 6), (3, 5)],
-    4: [(0, 4), (0.5, 5.5), (2.5, 5.5), (3, 5)],
-}
-"""Places (m) in the plane of what a cable runs over, from its end at (0, 1)."""
-
-
-def bouncing_rope(points: int) -> Rope:
-    """A mass beside the last of some eyelets, on a cable that is 0.1 m too long."""
-    fixed, mass, EA, friction = np.array([(0.0, 1.0), *EYELETS[points]]), 10.0, 2e4, 0.1
-    reach = Rope(fixed, mass, EA, 0.0, friction).longer(np.array(LET_GO))
-    return Rope(fixed, mass, EA, reach + 0.1, friction)
-
-
-LET_GO = (3.3, 2.0)
-
-
-def stick(bench: Bench) -> None:
-    """A mass bounces and swings on a cable over eyelets: they slip, stick and slip back."""
-    for points in (2,) if bench.quick else EYELETS:
-        rope = bouncing_rope(points)
-        motion = list(phases(rope, np.array(LET_GO), 2.0))
-        scene = fpm.Scene("bouncing", gravity=(0, -G, 0))
-        places = [(*place, 0.0) for place in (*rope.fixed, LET_GO)]
-        particles = [int(p) for p in scene.add_particles(places, rope.mass, 1.0)]
-        scene.fix(particles[:-1])
-        scene.add_cable("rope", [(p, None) for p in particles], rope.EA, rest=rope.rest,
-                        friction=rope.friction)  # fmt: skip
-        for step, tolerance in ((2e-3, 1e-3), (5e-4, 1e-4)):
-            (outcome,) = bench.simulate(scene, duration=2.0, instants=201, step=step)
-            starts = np.array([phase.start for phase in motion])
-            active = [motion[np.searchsorted(starts, t + 1e-9) - 1] for t in outcome.time]
-            instants = zip(active, outcome.time, strict=True)
-            exact = [phase.tensions(rope, t)[0] for phase, t in instants]
-            name = f"{points} eyelets, step {1e3 * step:g} ms"
-            worst = np.abs(outcome.select_columns("cable_tension")["rope"] - exact).max() / max(
-                exact
-            )
-            source = f"{len(motion)} phases from event to event"
-            text = f"{name}: tension at its end"
-            bench.check_small(text, worst, tolerance, source, "the largest")
-            loss = rope.mass * G * LET_GO[1] - motion[-1].energy(rope, 2.0)
-            dissipation = outcome.energies["cable_friction"][-1]
-            bench.check(f"{name}: friction took (J)", dissipation, loss, tolerance, source)
-            events, changes = sorted(_slip_events(outcome)), sorted(_slip_changes(motion, points))
-            delays = [abs(a[2] - b[2]) for a, b in zip(events, changes, strict=False)]
-            is_same = [row[:2] for row in events] == [row[:2] for row in changes]
-            error = max(delays) / step if is_same else np.inf
-            label = f"{name}: {len(changes)} times it slips or sticks, error over the step"
-            bench.check(label, error, 0.0, 2.0, source, 1.0, "absolute")
-            slack = [phase.start for phase in motion[1:] if phase.slips is None]
-            times = outcome.times("slackens", ["cable rope"])
-            delay = np.abs(times - slack).max() if len(times) == len(slack) else np.inf
-            text = f"{name}: slack at, error (s)"
-            bench.check(text, delay, 0.0, tolerance, source, measure="absolute")
-
-
-def _slip_events(outcome) -> Iterator[tuple[str, str, float]]:
-    """Points and names of the events at points of a cable, and their times (s)."""
-    for time, number, event in outcome.events:
-        element = outcome.eventful[int(number)]
-        if "slips" in element.events:
-            yield element.name, element.events[int(event)], time
-
-
-def _slip_changes(motion, points: int) -> Iterator[tuple[str, str, float]]:
-    """The same of phases."""
-    last = [0] * points
-    for phase in motion:
-        slips = [0] * points if phase.slips is None else phase.slips
-        for point, (old, new) in enumerate(zip(last, slips, strict=True), start=2):
-            if bool(old) != bool(new):
-                yield f"cable rope point {point}", "slips" if new else "sticks", phase.start
-        last = slips
-
-
 def drum(bench: Bench) -> None:
     """A torque motor winds a cable on a drum and lifts a mass, stiff and soft."""
     mass, radius, spin = 2.0, 0.05, 0.01
@@ -356,7 +275,6 @@ PROBLEMS = {
     "weight in a V": vee,
     "winch": reel,
     "capstan": capstan,
-    "mass on a cable over eyelets": stick,
     "mass on a drum's cable": drum,
     "cable on a turning post": turning_post,
 }

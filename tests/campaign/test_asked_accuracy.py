@@ -17,15 +17,11 @@ from deployable.campaign.config.check import check_config
 from deployable.campaign.config.sections import Accuracy
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.accuracy import (
-    _infill_points,
-    _refinement_state,
     add_runs,
-    start_plan,
 )
 from deployable.campaign.plan.decide import RefinementState, Resources
 from deployable.campaign.plan.plan import Round, Rounds
 from deployable.campaign.results.facts import _accuracy
-from deployable.campaign.results.run_samples import RunTable
 from deployable.campaign.results.templates import sentence
 from deployable.intervals.scalars import estimate_bounds, fit_scalar
 
@@ -147,46 +143,12 @@ def test_what_a_round_takes_fits_the_budget_or_it_is_not_begun(what):
         assert found.action == (what if (more_runs, more_seconds) == (0, 1e-6) else "stop")
 
 
-def test_a_mesh_that_hardly_helps_is_refined_no_further():
-    coarse = done("mesh", 6, surrogate=0.01, mesh=0.31, step=0.0)
-    finer = Resources(**{**vars(COST), "elements": 12})
-    parts = {"surrogate": 0.01, "step": 0.0}
-    assert decided({**parts, "mesh": 0.15}, coarse, cost=finer).action == "mesh"
-    found = decided({**parts, "mesh": 0.29}, coarse, cost=finer, check=("step", "mesh"))
-    assert found.action == "stop"
-    assert "hardly falls with a finer one" in found.reason
-
-
 def test_what_half_a_step_would_take_is_told_of_the_step_and_what_is_no_number_is_left():
     aim = Accuracy({"x": 0.1, "y": 0.1}, 20, 60.0, "")
     shares = {"x": {"surrogate": 0.01, "step": 0.3}, "y": {"surrogate": float("nan")}}
     found = RefinementState(aim, shares, Rounds((), (), check=("step",)), COST, True).decide()
     assert found.action == "stop"
     assert "x would take a step 8 times as fine" in found.reason
-
-
-def test_what_no_mesh_settles_is_set_aside_and_the_rest_goes_on():
-    """The error of `y` hardly fell with a finer mesh; `x` needs runs, and gets them alone."""
-    aim = Accuracy({"x": 0.1, "y": 0.1}, 1000, 60.0, "n")
-    finer = Resources(**{**vars(COST), "elements": 12})
-    coarse = {"x": {"surrogate": 0.2, "mesh": 0.02}, "y": {"surrogate": 0.5, "mesh": 0.31}}
-    before = Round(16, 0.0, "mesh", "", coarse, 6)
-
-    def after(x, check=("mesh",)):
-        shares = {"x": {"surrogate": x, "mesh": 0.01}, "y": {"surrogate": 0.5, "mesh": 0.29}}
-        state = Rounds((before,), (), check=check)
-        standing = RefinementState(aim, shares, state, finer, True)
-        return standing.needs, standing.decide()
-
-    needs, found = after(0.2)
-    assert found.action == "runs"
-    assert found.reason.startswith("x 21 % of the width")
-    assert [name for name, (_, cause) in needs.items() if not cause] == ["x"]
-    assert after(0.05)[1].action == "check"
-    _, found = after(0.05, check=("step", "mesh"))
-    assert (found.action, found.met) == ("stop", False)
-    assert "y has an error of the mesh that hardly falls with a finer one" in found.reason
-    assert "x" not in found.reason.split(":")[1].split(". ")[0]
 
 
 @pytest.mark.parametrize("enough", [False, True])
@@ -201,27 +163,6 @@ def test_a_finer_mesh_is_begun_where_the_budget_takes_all_of_it(enough):
     found = decided(parts, coarse, check=check, aim=aim, cost=Resources(**finer))
     assert found.action == ("mesh" if enough else "stop")
     assert ("does not get there within the budget" in found.reason) != enough
-
-
-def test_runs_are_sought_where_what_is_unmet_decides(asked):
-    """What else is recorded does not matter."""
-    asked["intervals"]["E"] = {"relative": 0.05}
-    experiment = check_config(asked).experiment
-    unit = np.random.default_rng(1).uniform(-1, 1, (12, 2))
-    curves = np.sin(unit @ np.random.default_rng(2).uniform(-3, 3, (2, 2 * 9))).reshape(12, 2, 9)
-
-    def sought(change):
-        values = curves.copy()
-        values[:, change] **= 3
-        table = RunTable(unit, unit, unit[:, :0], unit[:, :0])
-        samples = SimpleNamespace(table=table, curves=lambda *where: values[where])
-        return _infill_points(experiment, samples, ["BD"], count=8, seed=3)
-
-    wanted = list(experiment.responses).index("BD")
-    first, same, other = sought([]), sought([1 - wanted]), sought([wanted])
-    assert len(first) > 2
-    np.testing.assert_array_equal(first, same)
-    assert first.shape != other.shape or not np.allclose(first, other)
 
 
 def runs_of(nodes, **parts):
@@ -394,15 +335,3 @@ def test_rounds_add_no_runs_for_quantities_but_make_step_and_mesh_fine_enough_fo
 
     assert action(0.01) == "stop"
     assert action(0.076) == "mesh"
-
-
-def test_half_of_the_runs_are_kept_for_quantities(asked):
-    asked["accuracy"] = {"tolerance": 0.1, "max_runs": 200}
-
-    def answers():
-        plan = start_plan(check_config(asked).experiment)
-        return _refinement_state(plan, {}).cost.reserve
-
-    assert answers() == 0
-    asked["quantities"] = {"top": {"largest": "BD"}}
-    assert answers() == 100

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from harm import harm_file
-from stored_runs import curves_in, load_run
+from stored_runs import curves_in
 
 import fpm
 from deployable.campaign.config.check import check_config
@@ -21,7 +21,7 @@ from deployable.campaign.plan.plan import make_plan
 from deployable.campaign.results.facts import SOFT
 from deployable.campaign.results.templates import sentence
 from deployable.campaign.runs import batch as batches
-from deployable.campaign.runs.batch import Simulation, clocks, run_batch
+from deployable.campaign.runs.batch import Simulation, run_batch
 from deployable.campaign.samples.samples import gather
 from fpm.files.seals import seal
 
@@ -138,29 +138,6 @@ def test_structures_are_built_by_one_thread_at_a_time(config, monkeypatch):
     assert inside["most"] == 1
 
 
-def test_results_do_not_depend_on_how_runs_are_grouped(config, tmp_path):
-    plan = make_plan(config.experiment)
-    for size in (1, 5):
-        folder = tmp_path / str(size)
-        jobs = Jobs(512, size, "trajectories")
-        run_batch(plan, 0, 1, jobs, folder, tmp_path / "0.json", lambda text: None)
-    for run in plan.unique_runs:
-        one, other = (load_run(tmp_path / size, run.id) for size in ("1", "5"))
-        xr.testing.assert_equal(one, other)
-
-
-def test_a_trajectory_tells_its_parameters(config, tmp_path):
-    plan, _ = run_all(config, tmp_path, "trajectories")
-    for run in plan.unique_runs:
-        data = load_run(tmp_path / "trajectories", run.id)
-        assert data["parameter_a"] == run.values[0] and data["parameter_a"].units == "m"
-        assert data.attrs["parameter_elements"] == 2
-        assert data.attrs["parameter_roll"] == 45
-        assert data.attrs["config_hash"] == plan.config_hash
-        assert data.attrs["time_step_limit"] == plan.time.step_limit
-        assert "numpy" in json.loads(data.attrs["provenance"])
-
-
 def values_in(folder, config) -> dict[str, np.ndarray]:
     """Values (n, t) of the responses by run, from trajectories."""
     responses = config.experiment.response_list
@@ -235,22 +212,6 @@ def test_runs_that_were_lost_or_damaged_are_told_and_made_again(config, tmp_path
     assert harm == "lost" or path.name in said[0]
     with xr.open_dataset(whole) as first, xr.open_dataset(tmp_path / "samples.nc") as second:
         xr.testing.assert_identical(first, second)
-
-
-def test_the_manifest_tells_the_seconds_that_it_took(config, tmp_path):
-    plan, manifest = make_plan(config.experiment), tmp_path / "0.json"
-    for simulated in (True, False):
-        start = clocks()
-        run_batch(plan, 0, 1, config.jobs, tmp_path, manifest, lambda text: None)
-        passed = clocks() - start
-        told = json.loads(manifest.read_text())
-        # What is done in milliseconds waits longer for others than it takes.
-        assert told["seconds"][0] > 0.5 * passed[0] or not simulated
-        for all_in_all, integrating, most in zip(
-            told["seconds"], told["seconds_integrating"], passed, strict=True
-        ):
-            assert 0 <= integrating <= all_in_all <= most + 1e-3
-            assert (integrating > 0) == simulated
 
 
 def test_nothing_is_simulated_by_other_mechanics_than_was_planned(config, tmp_path):

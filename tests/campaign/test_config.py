@@ -11,7 +11,7 @@ import pytest
 import yaml
 
 from deployable.campaign.config.check import check_config, load_config, merge
-from deployable.campaign.config.models import BoundsChoice, Solver
+from deployable.campaign.config.models import Solver
 from deployable.campaign.config.sections import (
     Interval,
     corners,
@@ -73,24 +73,6 @@ def test_a_whole_number_that_no_array_holds_is_taken_as_a_number(raw, level):
     else:
         found = check_config(raw).experiment.quantities["t"]
         assert found["level"] == float(level)
-
-
-THREE = {name: {"relative": 0.01} for name in ("a", "E", "K_C")}
-
-
-@pytest.mark.parametrize(
-    "change",
-    [
-        {},
-        {"intervals": THREE, "design": {"method": "sobol", "samples": 8}},
-        {"design": {"method": "sobol", "samples": 3999}},
-        {"intervals": {"a": {"absolute": 0}}},
-        {"intervals": {"a": {"lower": 0.03, "upper": 0.04, "nominal": 0.031}}, "held_out": 0},
-    ],
-)
-def test_a_spline_takes_any_design_and_scans(raw, change):
-    config = check_config({**raw, **change, "bounds": {"model": "spline"}})
-    assert config.bounds == BoundsChoice("spline")
 
 
 def test_defaults_are_those_of_the_models(raw):

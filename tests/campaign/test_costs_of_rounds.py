@@ -9,9 +9,7 @@ import numpy as np
 import pytest
 
 from deployable.campaign.config.check import check_config
-from deployable.campaign.config.sections import CHECK_POINTS
-from deployable.campaign.plan.accuracy import _halve, _refinement_state, extend_plan, start_plan
-from deployable.campaign.plan.jobs import run_seconds
+from deployable.campaign.plan.accuracy import _refinement_state, extend_plan, start_plan
 from deployable.campaign.plan.plan import Round
 from deployable.campaign.results.response_bounds import CampaignBounds, ResponseBounds
 from deployable.campaign.results.run_samples import RunTable
@@ -25,11 +23,6 @@ def experiment(raw):
     return check_config(raw | {"quantities": {"top": {"largest": "BD"}}}).experiment
 
 
-def whole(runs: int) -> int:
-    """Runs that fill eight lanes."""
-    return 8 * -(-runs // 8)
-
-
 SHARES = {name: {"surrogate": 0.2} for name in ("BD", "vBz", "top")}
 
 
@@ -38,36 +31,6 @@ def after(plan, action, nodes, **more):
     action."""
     done = Round(16, 0.5, action, "", SHARES, 6, 0.5, 2.0, nodes)
     return replace(plan, adaptive=replace(plan.adaptive, rounds=(done,), **more))
-
-
-def test_the_first_round_costs_its_runs_and_its_check(experiment):
-    plan = start_plan(experiment)
-    cost, nodes = _refinement_state(plan, SHARES).cost, len(plan.unique_runs)
-    each = run_seconds(plan.experiment, plan.time)
-    checked = CHECK_POINTS + 2 + 2  # of the quantity both ends; an order of either
-    assert (cost.nodes, cost.check_runs, cost.run_seconds) == (nodes, checked, each)
-    assert cost.next_runs % 8 == 0 < cost.next_runs
-    assert plan.adaptive.check == ("mesh",)
-    assert cost.runs == nodes + checked
-    # On a mesh twice as fine, with half the step.
-    assert cost.seconds == pytest.approx((whole(nodes) + 4 * whole(checked)) * each)
-
-
-@pytest.mark.parametrize(("action", "new"), [("runs", 3), ("check", 0), ("mesh", 8), ("step", 8)])
-def test_costs_of_rounds_add_up(experiment, action, new):
-    """`new` of eight nodes were run in this round; a finer mesh or step runs all of them."""
-    plan = start_plan(experiment)
-    nodes = len(plan.unique_runs)
-    assert nodes == 8
-    before = nodes - new if action == "runs" else nodes
-    cost = _refinement_state(after(plan, action, before, check=()), SHARES).cost
-    assert cost.runs == 16 + new
-    assert cost.seconds == pytest.approx(2.0 + whole(new) * cost.run_seconds)
-    both = _refinement_state(after(plan, action, before, check=("step", "mesh")), SHARES).cost
-    assert both.runs - cost.runs == 2 * cost.check_runs
-    assert both.seconds - cost.seconds == pytest.approx(
-        (2 + 4) * whole(cost.check_runs) * cost.run_seconds
-    )
 
 
 @pytest.fixture
@@ -113,32 +76,6 @@ def test_a_finer_mesh_has_twice_the_elements_and_the_same_runs(decided):
     np.testing.assert_array_equal(after.runs.normalized, plan.runs.normalized)
     assert after.adaptive.check == ("mesh",)
     assert after.time.step < 0.6 * plan.time.step
-
-
-def test_half_a_step_has_the_same_mesh_and_runs(decided):
-    plan, after = decided(check=("step", "mesh"), surrogate=0.01, mesh=0.0, step=0.5)
-    assert after.adaptive.rounds[-1].action == "step"
-    assert after.experiment.scene == plan.experiment.scene
-    assert after.experiment.solver.safety == plan.experiment.solver.safety / 2
-    np.testing.assert_array_equal(after.runs.normalized, plan.runs.normalized)
-    assert after.time.step <= 0.5 * plan.time.step * 1.1
-
-
-def test_with_half_a_step_peaks_are_read_at_all_steps(decided):
-    """It is no use to halve the step for what lies between the instants at which peaks are read."""
-    errors = {"check": ("step", "mesh"), "top": 0.5, "surrogate": 0.01, "mesh": 0.0, "step": 0.01}
-    plan, after = decided(readings=9, **errors)
-    assert plan.experiment.readings(plan.time.step) == 0 < 1 < plan.time.output_steps
-    assert after.adaptive.rounds[-1].action == "step"
-    assert after.experiment.readings(after.time.step) == after.time.output_steps
-
-
-def test_a_step_that_instants_set_is_halved_too(experiment):
-    """Half of safety would leave it as it is."""
-    plan = start_plan(experiment)
-    limit = 100 * plan.time.step
-    safety = _halve(plan.experiment.solver, replace(plan.time, step_limit=limit))
-    assert safety * limit == pytest.approx(plan.time.step / 2)
 
 
 @pytest.mark.parametrize(

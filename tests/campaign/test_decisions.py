@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 import shutil
 from unittest.mock import ANY
 
@@ -22,7 +21,7 @@ from deployable.campaign.config.sections import Choose
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import Plan
 from deployable.campaign.text.numbers import VOLUME
-from deployable.intervals.scalars import Choice, Limit
+from deployable.intervals.scalars import Choice
 
 LATEST = float(1.01 * exact_time(0.1))
 EARLIEST = 1.8
@@ -51,14 +50,6 @@ def read(path) -> dict:
 def border(time) -> float:
     """The stiffness with which the panel opens in a time."""
     return (exact_time(1.0) / time) ** 2
-
-
-def test_a_requirement_in_between_is_met_by_the_exact_share_of_the_box(judged):
-    rows = {row["name"]: row for row in read(judged.requirements)["requirements"]}
-    assert [row["met"] for row in rows.values()] == ["some", "all", "none"]
-    exact = (0.105 - border(LATEST)) / 0.01
-    assert rows["in_time"]["share"] == pytest.approx(exact, abs=1e-3)
-    assert (rows["not_early"]["share"], rows["wider"]["share"]) == (1.0, 0.0)
 
 
 def test_margins_are_those_of_the_worst_runs(judged):
@@ -94,50 +85,6 @@ def test_the_largest_box_and_the_nearest_failure_are_the_exact_ones(tmp_path, ju
     text = (folder / "summary.md").read_text()
     assert f"met in {100 * together['share']:.4g} % of the tolerance box ({VOLUME})" in text
     assert "Just beyond that size, `in_time`" in text
-
-
-def test_a_run_that_fails_bounds_the_largest_box(monkeypatch):
-    """Whatever the surrogates say: they keep all here, and a run half way to a side does not, nor
-    one that is farther out: the nearest decides."""
-    from types import SimpleNamespace
-
-    from deployable.campaign.answers import limits
-
-    class Kept(Limit):
-        def worst(self, lower, upper):
-            return 1.0, np.zeros(2)
-
-    monkeypatch.setattr(limits, "Limit", Kept)
-    model = SimpleNamespace(
-        points=np.array([[0.0, 0.0], [0.9, 0.1], [0.25, -0.5], [0.8, 0.8], [-1.0, 1.0]]),
-        numbers=np.array([[1.0, 1.0], [np.nan, 1.0], [np.nan, 1.0], [np.nan, 1.0], [2.0, 1.0]]),
-        nominal=np.array([0.0, 0.0]),
-        experiment=SimpleNamespace(box=SimpleNamespace(free=np.array([True, True]))),
-        failed_points=np.zeros((0, 2)),
-    )
-    there, low = (
-        limits.LimitSpec("there", 0, "happens", 1.0),
-        limits.LimitSpec("low", 1, "at_most", 3.0),
-    )
-    for specs in ([there], [low, there], [there, low]):
-        assessment = limits.assess_limits(model, [None] * 2, specs)
-        assert assessment.largest[:2] == (0.5, specs.index(there)), "the limit that the run breaks"
-        np.testing.assert_array_equal(assessment.failure_point, [0.25, -0.5])
-
-
-def test_something_that_must_happen(tmp_path):
-    """It opens to 0.52 pi within 2 s in part of the box."""
-    late = {"t_late": PANEL["quantities"]["t_late"]}
-    wanted = {"there": {"t_late": {"happens": True}}, "absent": {"t_late": {"happens": False}}}
-    folder = run(panel(quantities=late, requirements=wanted), tmp_path)
-    found = read(folder.requirements)
-    line = next(x for x in (folder / "summary.md").read_text().splitlines() if "| `there` |" in x)
-    assert re.search(r"\| not (by the end of the run|in \d+ runs) \|$", line), line
-    exact = (0.105 - border(2.0) * (exact_time(1, 1, 0.52 * np.pi) / exact_time(1)) ** 2) / 0.01
-    assert [row["met"] for row in found["requirements"]] == ["some", "some"]
-    shares = [row["share"] for row in found["requirements"]]
-    assert shares == pytest.approx([exact, 1 - exact], abs=1e-3)
-    assert found["together"]["met"] == "none"
 
 
 @pytest.mark.slow
@@ -221,25 +168,6 @@ def test_the_exit_status_tells_of_unmet_requirements_where_asked(tmp_path, capsy
     config.write_text(yaml.safe_dump(raw))
     assert main([*call, "--require"]) == 1
     assert "has no requirements" in capsys.readouterr().err
-
-
-@pytest.mark.parametrize(
-    ("k", "ends"),
-    [
-        ({"nominal": 0.1, "relative": 0.05}, (0.19, 0.21)),
-        ({"nominal": 0.1, "absolute": 0.02}, (0.18, 0.22)),
-        ({"lower": 0.08, "upper": 0.11, "nominal": 0.1}, (0.18, 0.21)),
-    ],
-)
-def test_an_interval_follows_its_nominal_value(k, ends):
-    """About the given one it is as given; about another only a relative one grows."""
-    choose = {"parameters": {"k": [0.1, 0.2]}, "minimise": "upper(t_open)"}
-    wanted = campaign.check_config(panel(quantities=QUANTITIES, intervals={"k": k}, choose=choose))
-    given = wanted.experiment.intervals["k"]
-    here = wanted.choose.interval("k", 0.1, wanted.experiment)
-    assert here == pytest.approx((given.lower, given.upper))
-    assert wanted.choose.interval("k", 0.2, wanted.experiment) == pytest.approx(ends)
-    assert wanted.choose.ends("k", wanted.experiment) == pytest.approx((given.lower, ends[1]))
 
 
 def test_better_choices_that_only_the_nearest_run_speaks_against_are_looked_at():

@@ -162,20 +162,6 @@ def test_lengths_in_another_unit_than_stated_are_questioned(tmp_path, start, uni
         assert "size is 0.4082 m: check the unit in the file" in texts[0]  # sqrt(1/6) m
 
 
-def test_units_of_the_file_do_not_matter_and_its_band_may_be_a_column(raw):
-    test = check_config(raw).measured["swing"]
-    curves = read_test(test)
-    raw["measured"]["swing"]["band"] = {}
-    degrees = "t [ms],angle [deg],angle_band [mrad]\n" + "".join(
-        f"{1000 * t},{np.degrees(v)},2\n"
-        for t, v in zip(curves.times, curves.values[0], strict=True)
-    )
-    Path(test.file).write_text(degrees)
-    other = read_test(check_config(raw).measured["swing"])
-    for name in ("times", "values", "bands"):
-        assert getattr(other, name) == pytest.approx(getattr(curves, name), rel=1e-12)
-
-
 def test_a_column_may_have_the_name_of_its_response(raw):
     file = Path(raw["measured"]["swing"]["file"])
     file.write_text(file.read_text().replace("angle", "phi"))

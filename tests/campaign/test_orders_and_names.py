@@ -6,7 +6,6 @@ import copy
 from dataclasses import asdict
 from itertools import permutations
 
-import numpy as np
 import pytest
 
 from deployable import campaign
@@ -31,15 +30,3 @@ def test_a_campaign_does_not_know_in_which_order_its_parameters_were_named(raw, 
         other = told(raw, names)
         assert asdict(other) == asdict(first)
         assert list(other.experiment.intervals) == list(first.experiment.intervals)
-
-
-@pytest.mark.parametrize("names", [("a", "E"), ("E", "a")])
-def test_an_interval_without_width_does_not_hide_another(raw, tmp_path, names):
-    raw["design"] = {"method": "tensor_lobatto", "order": 2}
-    raw["intervals"] = {name: INTERVALS[name] for name in names}
-    both = campaign.run(raw, tmp_path / "both", figures=False, notify=lambda text: None)
-    raw["intervals"] = {"a": INTERVALS["a"]}
-    alone = campaign.run(raw, tmp_path / "alone", figures=False, notify=lambda text: None)
-    assert float(alone["largest_width"].min()) > 0
-    for side in ("lower", "upper", "error"):
-        np.testing.assert_allclose(both[side], alone[side], rtol=1e-12, atol=1e-15)

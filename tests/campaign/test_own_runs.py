@@ -81,20 +81,6 @@ def test_rows_are_the_runs(config, tmp_path, text):
     np.testing.assert_allclose(planned(config), expected, rtol=1e-12, atol=1e-18)
 
 
-def test_parameters_without_a_column_are_nominal(config, tmp_path):
-    (tmp_path / "doe.csv").write_text("k\n0.045\n0.048\n0.052\n0.055\n")
-    config["intervals"]["c"] = {"lower": 1e-4, "upper": 1e-4}
-    runs = planned(config)
-    np.testing.assert_allclose(runs, np.transpose([[0.05, 0.045, 0.048, 0.052, 0.055], [1e-4] * 5]))
-    config["design"] = {"values": [0.045, "48 N mm/rad", 0.052, "0.055 N m/rad"]}
-    del config["intervals"]["c"]
-    config["scene"]["parameters"] = {"c": 1e-4}
-    np.testing.assert_array_equal(planned(config), runs[:, :1])
-    config["design"] = {"values": ["48 N/rad"]}
-    with pytest.raises(ConfigError, match=r"design.values: '48 N/rad' is not allowed; .*N m rad-1"):
-        check_config(config)
-
-
 @pytest.mark.parametrize(
     ("rows", "design", "words"),
     [

@@ -9,7 +9,6 @@ import pytest
 
 import fpm
 import fpm.reading
-from deployable.campaign.config import sections
 from deployable.campaign.config.check import check_config
 from deployable.campaign.config.sections import count_runs, scene_type
 from deployable.campaign.plan.plan import make_plan, read_plan, split_evenly, write_plan
@@ -53,14 +52,6 @@ def test_the_number_of_runs_is_known_without_a_plan(raw):
         assert count_runs(config.experiment) == len(make_plan(config.experiment).runs)
 
 
-def test_a_longer_order_reuses_the_runs_that_exist(raw):
-    raw["design"] = {"method": "tensor_lobatto", "order": 4}
-    small = {run.id for run in by_role(plan_of(raw), "node")}
-    raw["design"]["order"] = 8
-    large = {run.id for run in by_role(plan_of(raw), "node")}
-    assert small < large
-
-
 @pytest.mark.parametrize(
     "change",
     [
@@ -75,17 +66,6 @@ def test_a_longer_order_reuses_the_runs_that_exist(raw):
 def test_what_changes_a_trajectory_changes_its_name(raw, plan, change):
     after = names(plan_of({**raw, **change}))
     assert not names(plan) & after
-
-
-def test_another_version_of_the_mechanics_gives_other_names(config, plan, monkeypatch):
-    monkeypatch.setattr(sections, "program_digest", lambda: "another")
-    assert not names(plan) & names(make_plan(config.experiment))
-
-
-def test_what_changes_no_trajectory_keeps_its_name(raw, plan):
-    raw |= {"campaign": "other", "jobs": {"group": 1}}
-    raw["responses"] = {"psi": {"opening": "A"}}  # a response is a function of the trajectory
-    assert names(plan_of(raw)) == names(plan)
 
 
 @pytest.mark.slow
@@ -120,12 +100,6 @@ def test_a_plan_of_many_runs_is_packed_to_the_last_bit(raw, tmp_path, monkeypatc
     assert found.digest == plan.digest
     assert [run.id for run in found.runs[:5]] == [run.id for run in plan.runs[:5]]
     assert (tmp_path / "plan.json").stat().st_size < 40 * len(plan.runs)
-
-
-def test_runs_with_the_same_values_are_one(config):
-    plan = make_plan(config.experiment)
-    rows = plan.runs[[0, 1, 0, 3, 1]]
-    assert [run.id for run in rows.unique()] == [plan.runs[i].id for i in (0, 1, 3)]
 
 
 @pytest.mark.parametrize(("batches", "size"), [(1, 1), (2, 2), (3, 4), (7, 2), (1, 100)])

@@ -11,21 +11,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import fpm
 from deployable import campaign
 from deployable.campaign.answers.estimate import _duration, estimate
 from deployable.campaign.runs.progress import (
-    STEPS,
     MessagePrinter,
     progress_of,
-    report_seconds,
     warm_up,
 )
 from deployable.campaign.text.numbers import duration_text, size_text
 from fpm import structures
-from fpm.elements import Beams, Probe
-from fpm.kernels.compiled_loop import cache_folder
-from fpm.reading.variables import VARIABLES
 from fpm.scenes.timestep import compile_seconds
 
 CONFIG = Path(__file__).parents[2] / "config"
@@ -98,15 +92,6 @@ def ticks(monkeypatch):
     """Looks at a step come at once, so does what a log is told."""
     monkeypatch.setattr("deployable.campaign.runs.progress.TICK", 0.01)
     monkeypatch.setattr("deployable.campaign.runs.progress.FIRST", 0.0)
-
-
-def test_of_steps_within_steps_the_innermost_is_told_and_its_line_goes(ticks):
-    terminal = Terminal()
-    notify = MessagePrinter(terminal)
-    with report_seconds("bounds", notify), report_seconds("compiling", notify):
-        time.sleep(0.1)
-    assert "compiling, 0 s" in terminal.getvalue() and "bounds" not in terminal.getvalue()
-    assert terminal.getvalue().endswith("\x1b[2K") and not STEPS
 
 
 @pytest.mark.parametrize(
@@ -186,20 +171,6 @@ def test_the_time_told_is_with_that_to_compile_where_that_is_to_be_done(raw, mon
     assert found.compile_time == seconds
     assert ("of it to compile, once" in str(found)) == (seconds > 0)
     assert seconds < found.seconds < seconds + 10
-
-
-def test_only_what_is_not_on_disk_counts_as_to_be_compiled(monkeypatch, tmp_path):
-    scene = structures.load(CONFIG / "structures/panel.yaml").build()
-    fpm.warm_up(scene)
-    assert fpm.list_kinds_to_compile(scene) == []
-    for path in cache_folder().glob("*.npz"):
-        if not path.name.startswith("Probes"):  # of which other tests may have further forms
-            (tmp_path / path.name).symlink_to(path)
-    monkeypatch.setattr("fpm.kernels.compiled_loop.cache_folder", lambda: tmp_path)
-    label = VARIABLES["constraint_moment"].labels(scene)[0]
-    assert Probe in fpm.list_kinds_to_compile(scene, [("constraint_moment", label)])
-    monkeypatch.setattr("fpm.kernels.compiled_loop.cache_folder", lambda: tmp_path / "none")
-    assert fpm.list_kinds_to_compile(scene)[:2] == [None, Beams]
 
 
 def test_progress_is_told_while_something_compiles(monkeypatch, ticks):

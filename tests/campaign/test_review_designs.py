@@ -3,7 +3,6 @@ sheet knows of the mechanism, and which design fails, where and why, from `revie
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -74,21 +73,6 @@ def test_a_requirement_of_a_margin_replaces_none(tmp_path, taken):
     assert found["m_margin" if taken else "m"] == {"m_least": {"at_least": 0.0}}
 
 
-@pytest.mark.parametrize(
-    ("out", "refused"),
-    [([LEFT], ""), ([RIGHT], ""), ([], "nothing is out"), ([LEFT, RIGHT], "is out; allowed"),
-     (["rub"], "rub is out"), (["wires"], "`without` one of")],
-)  # fmt: skip
-def test_factors_of_a_spring_out_take_one_of_several_springs_that_drive(tmp_path, out, refused):
-    one = MARGIN | {"standard": NASA, "evidence": "spring out", "without": out}
-    path = config(tmp_path, margins={"m": one})
-    if not refused:
-        load_config(path)
-        return
-    with pytest.raises(ConfigError, match=re.escape(refused)):
-        load_config(path)
-
-
 @pytest.mark.parametrize("rest", [0, -90])
 def test_a_spring_that_only_resists_is_none_of_several_that_drive(tmp_path, rest):
     """So that factors of a spring that is out are not for it, at rest at the start or before."""
@@ -101,102 +85,6 @@ def test_a_spring_that_only_resists_is_none_of_several_that_drive(tmp_path, rest
     path = config(tmp_path, margins={"m": one}, scene=scene | {"file": "flap.yaml"})
     with pytest.raises(ConfigError, match="right is out; allowed: other evidence"):
         load_config(path)
-
-
-PANEL = """
-name: panel
-parameters:
-  start: {value: 0, unit: deg, range: [-90, 90], description: opening at the start}
-  far: {value: 80, unit: deg, range: [-180, 180], description: a stop}
-  near: {value: 70, unit: deg, range: [-180, 180], description: another one}
-points: {a: [0, 0, 0], b: [1, 0, 0], c: [0, 5, 0], d: [1, 5, 0]}
-bodies:
-  sheet: {mass: 1 kg, centre: b, box: [1, 1, 0.01], points: [a]}
-  lid: {mass: 1 kg, centre: d, box: [1, 1, 0.01], points: [c]}
-joints:
-  hinge: {type: revolute, parts: [ground, sheet], at: a, axis: z, opening: start}
-  other: {type: revolute, parts: [ground, lid], at: c, axis: z}
-actions:
-  s1: {type: stop, joint: hinge, SIDE: far, stiffness: 100}
-  s2: {type: stop, joint: hinge, SIDE: near, stiffness: 100}
-  s3: {type: stop, joint: other, SIDE: 5 deg, stiffness: 100}
-"""
-LATCHES = """
-  l1: {type: latch, joint: hinge, angle: inner, side: AT, stiffness: 100, damping: 1}
-  l2: {type: latch, joint: hinge, angle: outer, side: AT, stiffness: 100, damping: 1}
-  l3: {type: latch, joint: other, angle: 6 deg, side: AT, stiffness: 100, damping: 1}
-"""
-
-
-@pytest.mark.parametrize("way", [1, -1])
-@pytest.mark.parametrize("stowed", [False, True])
-def test_the_travel_of_runs_that_start_apart_is_that_of_them_all(way, stowed):
-    """From the first of their starts, or where each is led from its own, from the nominal one, to
-    the nearest stop of the hinge that is led, the farthest of all runs."""
-    side = "upper" if way > 0 else "lower"
-    build = structures.loads(PANEL.replace("SIDE", side).replace("5 deg", f"{5 * way} deg")).build
-    scenes = [
-        build(start=way * start, far=way * far, near=way * near)
-        for start, far, near in ((2, 80, 70), (-3, 85, 72), (1, 80, 71))
-    ]
-    along = SimpleNamespace(first=way * np.radians(1), last=way)
-    travel = mechanism.travel_of(scenes, ["hinge"], along, stowed)
-    assert np.degrees(travel) * way == pytest.approx([1 if stowed else -3, 72])
-    started = [build(start=way * 5, far=way * 30, near=way * 25)]
-    assert np.degrees(mechanism.travel_of(started, ["hinge"], along, False)) * way == (
-        pytest.approx([5, 25])
-    )
-    scenes = [build(start=0, far=way * 20, near=way * 10)]
-    assert mechanism.travel_of(scenes, ["hinge"], along, False)[1] == pytest.approx(
-        way * np.radians(10)
-    )
-    scenes = [build(start=0, far=-way * 20, near=-way * 10)]  # both behind it
-    assert mechanism.travel_of(scenes, ["hinge"], along, False) is None
-
-
-def test_latches_on_the_way_are_those_between_its_ends():
-    """Of openings that are led, but for one at either end; with latches the farthest one ends the
-    travel, whatever stops there are."""
-    text = PANEL.replace("SIDE", "upper") + LATCHES.replace("AT", "below")
-    text = text.replace("  near:", "  inner: {value: 0, unit: deg, range: [-180, 180]}\n"
-                        "  outer: {value: 0, unit: deg, range: [-180, 180]}\n  near:")  # fmt: skip
-    build = structures.loads(text).build
-    definition = {"margin": "hinge", "from": "10 deg", "to": "60 deg", "standard": ECSS}
-    for inner, outer, names in (
-        (20, 30, ["l1", "l2"]), (10.001, 59.999, ["l1", "l2"]), (10, 60, []), (9, 61, []),
-        (60, 30, ["l2"]),
-    ):  # fmt: skip
-        scene = build(inner=inner, outer=outer, start=2)
-        response = parse("m", definition, scene)
-        experiment = SimpleNamespace(
-            responses={"m": definition}, intervals=["far"], nominal=(80.0,), nominal_scene=scene
-        )
-        run = margins.sweep_travel(scene, [response])
-        row = {"argmin": {"far": None}}
-        known = mechanism.margin_of(experiment, [scene], response, row, lambda *_, run=run: run)
-        assert known["latches"] == names
-        assert known["travel"] == pytest.approx(np.radians([2, max(inner, outer)]))
-        assert (known["first"], known["last"]) == pytest.approx(np.radians([10, 60]))
-        assert known["openings"] == ["hinge"] and not known["starts_vary"]
-        assert known["at"] == {"far": 80.0} and known["unit"] == "rad"
-
-
-@pytest.mark.parametrize(
-    ("first", "starts", "vary"),
-    [("stow", [1, 4], True), ("stow", [1, 1], False), ("3 deg", [1, 4], False)],
-)
-def test_starts_vary_where_each_run_is_led_from_its_own(first, starts, vary):
-    text = PANEL.replace("SIDE", "upper")
-    scenes = [structures.loads(text).build(start=start) for start in starts]
-    definition = {"margin": "hinge", "from": first, "to": "60 deg", "standard": ECSS}
-    response = parse("m", definition, scenes[0])
-    experiment = SimpleNamespace(
-        responses={"m": definition}, intervals=["start"], nominal=(1.0,), nominal_scene=scenes[0]
-    )
-    run = margins.sweep_travel(scenes[0], [response])
-    row = {"argmin": {"start": 1.0}}
-    known = mechanism.margin_of(experiment, scenes, response, row, lambda *_: run)
-    assert known["starts_vary"] is vary
 
 
 def test_settings_of_ones_own_are_told_with_those_of_the_standard():

@@ -277,14 +277,6 @@ def test_a_latch_that_misses_and_catches_later():
     assert find(rows, "4.7.5.4.3", "first miss")[0]["verdict"].startswith("met in all of the box")
 
 
-def test_limits_of_both_signs_are_an_allowable():
-    numbers = [number("up", "largest", **MOMENT), number("down", "smallest", **MOMENT)]
-    numbers[1].response = numbers[0].response
-    limits = [required("a", limit("up", "at_most", 3.0)), required("b", limit("down", level=-6.0))]
-    rows = sheet([quantity("up", 1, 2), quantity("down", -5, -4)], limits, numbers)
-    assert [row["state"] for row in find(rows, "4.7.5.4.4", BEAR)] == [MET, MET]
-
-
 @pytest.mark.parametrize(
     ("kind", "states"),
     [("final", [MET, MET]), ("smallest", [NOT_ANALYSED, PARTIAL]), ("mean", [NOT_ANALYSED] * 2)],
@@ -361,18 +353,6 @@ def test_parts_at_the_worst_place_add_up_to_the_margin():
     assert f"T = {drives:g} N m" in budget["sum"] and f"Tmin = {required_:g} N m" in budget["sum"]
     assert budget["sum"].endswith(f"= {drives / required_ - 1:g}.")
     assert "k = 0.09 N m/rad" in budget["title"] and "6 March 2009" in budget["title"]
-
-
-def test_a_margin_is_told_to_four_digits_and_what_it_is_of_to_six():
-    (budget,) = budgets_of(sheets.facts_of(margins={"m_least": margin(
-        budget={"opening": 1.23456789, "margin": 2 / 3, "drives": 1.0000012, "requirement": 2 / 3,
-                "rows": [
-            {"part": "s", "class_": "S", "moment": 1.23456789, "factor": 1.0, "weighted": 2 / 3},
-        ]})}))  # fmt: skip
-    assert budget["sum"].endswith("T/Tmin − 1 = 0.6667.")
-    assert budget["sum"].startswith("T = 1 N m (") and "Tmin = 0.666667 N m" in budget["sum"]
-    assert "at 1.235 rad" in budget["title"]
-    assert budget["rows"] == [("s", "S, springs", "drives", "1.23457", "1", "0.666667")]
 
 
 def test_of_runs_that_start_apart_the_positions_are_told_to_be_the_nominal_ones():

@@ -216,20 +216,6 @@ def test_units_on_slides_are_lengths_and_forces(monkeypatch):
     assert units.raw["requirements"]["far"]["m_least"]["at_least"] == 0.1
 
 
-def test_files_and_overrides_may_state_units(tmp_path):
-    path = tmp_path / "mine.yaml"
-    path.write_text(PANEL.replace("panel.yaml", str(ROOT / "config/structures/panel.yaml"))
-                    .replace("0.5,", "500 ms,"))  # fmt: skip
-    assert load_config([path]).experiment.solver.duration == 0.5
-    overrides = {"solver": {"duration": "700 ms"}}
-    assert load_config([path], overrides).experiment.solver.duration == 0.7
-    with pytest.raises(ConfigError, match=r"--config: solver.duration: '7 mm' is not"):
-        load_config([path], {"solver": {"duration": "7 mm"}})
-    path.write_text(path.read_text().replace("500 ms", "500 mm"))
-    with pytest.raises(ConfigError, match=r"line 4: solver.duration: '500 mm' is not"):
-        load_config([path])
-
-
 @settings(max_examples=100, deadline=None)
 @given(st.decimals("-1e9", "1e9", allow_nan=False, places=7), st.sampled_from(["ms", "us", "s"]))
 def test_numbers_are_those_of_their_decimals(number, unit):

@@ -98,24 +98,6 @@ def test_the_path_is_relative_to_the_file_that_has_it(path, tmp_path, monkeypatc
     assert moved.experiment == load_config([path]).experiment
 
 
-def test_runs_are_named_after_what_the_file_says(path, tmp_path):
-    def names(path):
-        plan = make_plan(load_config([path]).experiment)
-        return [run.id for run in plan.runs], plan.config_hash
-
-    before = names(path)
-    moved = tmp_path / "moved"
-    shutil.copytree(path.parent / "structures", moved / "structures")
-    shutil.copy(path, moved / "flap.yaml")
-    assert names(moved / "flap.yaml") == before
-    edit(path, "name: panel", "name: panel  # of a wing")
-    assert names(path) == before
-    edit(path, "nu: 0.3", "nu: 0.2")
-    after = names(path)
-    assert not set(after[0]) & set(before[0])
-    assert after[1] != before[1]
-
-
 def test_a_structure_that_was_edited_after_the_plan_is_not_run(path):
     plan = make_plan(load_config([path]).experiment)
     check_structure(plan)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from types import SimpleNamespace
 
 import numpy as np
@@ -12,7 +11,6 @@ import xarray as xr
 from deployable import campaign
 from deployable.campaign.answers import discretization
 from deployable.campaign.folder import Folder
-from deployable.campaign.results.templates import sentence
 from deployable.intervals import Box
 
 
@@ -121,30 +119,6 @@ def test_a_change_that_is_small_by_accident_counts_as_the_next_one():
     assert level.extrapolate(change, np.array([4.0])) == pytest.approx(4 / 3 * change)
 
 
-def test_a_quantity_that_no_run_has_has_no_error_and_takes_no_run(monkeypatch):
-    """Not zero; and the others keep theirs, whichever stands first."""
-    at, none = np.array([0.5, -0.5]), np.full(2, np.nan)
-    there = SimpleNamespace(argmin=at, argmax=at, lower=1.0, upper=2.0)
-    absent = SimpleNamespace(argmin=none, argmax=none, lower=np.nan, upper=np.nan)
-    half = SimpleNamespace(argmin=at, argmax=np.array([np.nan, 1.0]), lower=1.0, upper=np.nan)
-
-    def told(plan, points):
-        assert np.isfinite(points).all()
-        return np.tile([1.1, 3.0, 1.2], (len(points), 1)), None
-
-    level = discretization.RefinementLevel(0.5, 0.25, True)
-    monkeypatch.setattr(
-        discretization, "_levels", lambda _, parts, step: dict.fromkeys(parts, level)
-    )
-    monkeypatch.setattr(discretization, "_find_ratio", lambda *arguments: None)
-    model = SimpleNamespace(plan=1.0, evaluate=told, finest_step=1.0)
-    found = discretization.estimate_discretization_errors(model, [there, absent, half], ("step",))[
-        "step"
-    ]
-    assert np.isfinite(found[0]).all() and np.isnan(found[1]).all()
-    assert np.isfinite(found[2]).tolist() == [True, False]
-
-
 def test_planned_runs_stand_for_places_beside_them_and_no_others(monkeypatch):
     """Bounds attained at 0.93 and -0.2: there is a run at 0.9, and one at -0.9, but none near."""
     known = np.array([[-0.9], [0.0], [0.9]])
@@ -171,25 +145,3 @@ def test_planned_runs_stand_for_places_beside_them_and_no_others(monkeypatch):
     assert len(taken) == 3
     for points in taken:
         assert sorted(points[:, 0]) == pytest.approx([-0.2, 0.9])
-
-
-def test_the_error_is_that_of_all_parts(campaigns):
-    bounds = campaigns["usual"]
-    parts = [bounds[f"error_{name}"] for name in ("surrogate", "step", "mesh")]
-    assert bounds["error"].values == pytest.approx(sum(parts).values)
-    shares = sum(bounds[f"share_{name}"] for name in ("surrogate", "step", "mesh"))
-    assert bounds["error_share_of_width"].values == pytest.approx(shares.values)
-    assert bounds["largest_error"].values == pytest.approx(bounds["error"].values.max(axis=1))
-    assert "error_mesh" not in campaigns["mesh"]
-
-
-def test_summary_and_page_tell_all_parts(campaigns):
-    folder, bounds = campaigns["folder"], campaigns["usual"]
-    summary = json.loads((folder / "summary.json").read_text())
-    for i, row in enumerate(summary["responses"]):
-        parts = row["errors"]
-        assert parts["whole"] == pytest.approx(sum(parts[n] for n in ("surrogate", "step", "mesh")))
-        assert parts["share"] == pytest.approx(float(bounds["error_share_of_width"][i]))
-    text = (folder / "summary.md").read_text()
-    assert "| error of | surrogate | step | mesh | together |" in text
-    assert sentence("budget", summary["responses"][0]["errors"]).count(" %") == 4

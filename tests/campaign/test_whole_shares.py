@@ -100,15 +100,6 @@ def test_the_error_of_an_end_next_to_a_border_is_known_and_covers_the_true_one(k
         assert (off <= step + mesh + end.surrogate.usual_error + near).all()
 
 
-def test_a_border_that_finer_runs_confirm_does_not_move():
-    model = ClosedBench(Closed("latch", 1, 11, 0.0), 9)
-    (end,) = converge_bounds(model, 4, [HAPPENS])
-    found = discretization.estimate_limit_state_error(
-        model, 0, end.surrogate.occurrence, (0.5, 0.5)
-    )
-    assert found == (0.0, 0.0)
-
-
 @pytest.mark.parametrize("inside", [0, 3, 4, 5, 8, 16, 40])
 @pytest.mark.parametrize("outside", [0, 2, 4, 8, 21])
 def test_runs_beside_a_border_are_made_again_the_nearest_first(inside, outside):
@@ -201,22 +192,6 @@ def test_stretches_lead_from_the_farthest_runs_that_differ_to_the_nearest_that_d
     assert discretization._bisect_segments(None, 0, None, None, *[np.zeros((0, 3))] * 2) == 0.0
 
 
-def test_a_border_moves_to_the_farthest_of_several_stretches():
-    """On one of two stretches finer runs cease to differ at 0.25, on the other at 0.75."""
-    x = np.linspace(-1, 1, 21)[:, None]
-    occurrence = Occurrence(x, x[:, 0] > 0.01)
-
-    def told(plan, points):
-        return np.where(points > [[0.25], [0.75]], 1.0, np.nan), None
-
-    model = SimpleNamespace(evaluate=told, account=RunAccount())
-    size = discretization._bisect_segments(
-        model, 0, occurrence, None, np.full((2, 1), 0.1), np.full((2, 1), 0.95)
-    )
-    exact = float(occurrence.decision(np.array([[0.75]]))[0])
-    assert size == pytest.approx(abs(exact), rel=0.1)
-
-
 def test_a_border_that_no_number_tells_of_does_not_move():
     """All runs have the number, and none, or not all, tell by how much."""
     for margins in ([np.nan] * 4, [np.nan, 1.0, 1.0, 1.0]):
@@ -225,18 +200,6 @@ def test_a_border_that_no_number_tells_of_does_not_move():
             model, 0, SimpleNamespace(is_mixed=False), None
         )
         assert border == 0.0 and np.isnan(number)
-
-
-def test_a_limit_is_described_by_its_own_kind_of_level(monkeypatch):
-    monkeypatch.setattr(limits, "words_of", lambda quantity: {})
-    quantity = SimpleNamespace(name="q", unit="s")
-    model = SimpleNamespace(experiment=SimpleNamespace(quantity_list=[quantity]))
-    for kind, number, level in (("happens", 1.0, True), ("happens", 0.0, False),
-                                ("at_most", 1.0, 1.0)):  # fmt: skip
-        asked = LimitSpec("r", 0, kind, number)
-        row = limits.describe_limit(model, asked)
-        assert row["level"] is level or (row["level"] == level and isinstance(level, float))
-        assert type(row["level"]) is type(level) and row["kind"] == asked.kind
 
 
 def test_the_places_that_decide_a_limit_are_simulated_before_a_statement_about_them():

@@ -82,10 +82,10 @@ STUDIES_NOT_RUN = {
     "verification": "1 minute, and 2 to compile; coarser: tests/evidence/test_problems.py",
     "extremes": "2 minutes; some cases: tests/evidence/test_extremes.py",
     "accuracy": "1 minute; five choices: tests/evidence/test_accuracy.py",
-    "tradeoff": "7 minutes, `asked-latch` 20 s; what it judges: tests/evidence/test_tradeoff.py",
+    "tradeoff": "7 minutes, `asked-latch` 20 s",
     "measured": "20 minutes; a test: tests/campaign/test_measured.py",
     "search": "20 minutes; one mechanism: tests/evidence/test_search_study.py",
-    "scaling": "1 minute; what it tells: tests/evidence/test_scaling.py",
+    "scaling": "1 minute",
     "calibration": "3 minutes; a coarse mesh: tests/evidence/test_calibration.py",
     "benchmark": "5 minutes; small: tests/evidence/test_benchmark.py",
 }

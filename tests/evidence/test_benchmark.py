@@ -40,7 +40,7 @@ def test_exudyn_runs_where_it_is_installed():
 
 def test_the_description_of_the_linkage_fits_together():
     scene = linkages(1, 3)[0]
-    told_scene = describe(scene, ignore=("Contact",))
+    told_scene = describe(scene)
     assert len(told_scene["elements"]) == beam_count(scene) == 12
     mass = sum(beam["mass"] * beam["length"] for beam in told_scene["elements"])
     assert mass == pytest.approx(scene.mass.sum())

@@ -2,7 +2,6 @@
 
 import pytest
 
-from evidence.extremes import parameters
 from evidence.extremes.judge import LINE_ACCURACY, compare, judge
 from evidence.linkage.runs import closing_time, curves, first_closing, simulate
 
@@ -25,9 +24,3 @@ def test_a_wrong_curve_fails():
     assert not other[0].passed
     other = compare("far", right, curves(far), until, LINE_ACCURACY, "another")
     assert not any(row.passed for row in other)
-
-
-def test_values_that_make_no_structure_are_refused():
-    rows = parameters.refusals()
-    assert len(rows) > 10
-    assert [row.name for row in rows if not row.passed] == []

@@ -2,8 +2,6 @@
 
 import math
 
-import pytest
-
 import fpm
 from evidence.verification import study
 from evidence.verification.bench import Bench
@@ -18,7 +16,6 @@ def test_a_row_passes_within_its_tolerance_only():
     bench.check_at_least("order", 1.89, 1.9, "source")
     bench.check_at_least("better order", 3.0, 1.9, "source")
     assert [row.passed for row in bench.rows] == [True, False, False, True, False, True]
-    assert bench.rows[1].utilization == pytest.approx(1.1)
     assert {row.group for row in bench.rows} == {"problem"}
 
 

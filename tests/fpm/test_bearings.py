@@ -80,20 +80,6 @@ def test_a_sheet_that_spins_is_braked_by_its_own_pull(text, mass, inertia):
     assert balance[1] < 0.6 * balance[0]  # the force is that of the step before
 
 
-@pytest.mark.slow
-def test_a_cart_is_braked_by_its_weight_on_the_rail():
-    """v²/(2 mu g), where it stands; in the first half step the 30 N that are stated brake it."""
-    step, weight = 1e-3, 2.0 * 9.81
-    (run,) = fpm.simulate(loads(RAIL).build(), duration=1.5, instants=151, step=step)
-    assert run.failure is None
-    opening = run.records["slide_opening"].values[:, 0]
-    stops = 2.0**2 / (2 * 0.3 * 9.81) - 2.0 * (30.0 / weight - 1) * step / 2
-    assert opening.max() == pytest.approx(stops, abs=1e-5)
-    assert np.ptp(opening[-20:]) < 1e-6
-    loss = run.energies["joint_loss"][-1]
-    assert loss == pytest.approx(4.0, rel=1e-3)
-
-
 @pytest.mark.parametrize("text", [SPUN, RAIL])
 def test_in_margins_it_is_one_part_with_a_load_or_without(text):
     with_load = loads(text).build()
@@ -154,24 +140,6 @@ def test_on_a_pin_of_three_parts_it_is_refused(parts, load):
     text = pinned(pin=list(parts)).replace("100 mm", f"100 mm{load}")
     with pytest.raises(StructureError, match=r"of 3 parts.*a joint of two parts: state the pin as"):
         loads(text)
-
-
-@pytest.mark.parametrize(
-    ("pin", "other", "force"),
-    [
-        (["ground", "a"], ["ground", "b"], [3, 2]),
-        (["ground", "a"], ["a", "b"], [3, -18]),
-        (["a", "b"], ["ground", "b"], [3, 2]),
-        (["a", "b"], ["ground", "a"], [0, -20]),
-    ],
-)
-def test_on_joints_of_two_parts_no_order_changes_it(pin, other, force):
-    """It is mu r times the force between its two parts, which statics gives."""
-    for one, two in ((pin, other), (pin[::-1], other), (pin, other[::-1])):
-        for joints in ({"pin": one, "other": two}, {"other": two, "pin": one}):
-            scene = loads(pinned(**joints)).build()
-            work = sweep(scene, "pin", 0.0, 1e-3, locked=["other"], positions=3).work
-            assert work["bearing pin"][0] == pytest.approx(-0.01 * np.hypot(*force), rel=1e-9)
 
 
 CRANK = """

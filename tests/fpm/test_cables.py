@@ -99,24 +99,6 @@ def test_the_stable_step_holds_wherever_a_running_cable_s_points_move_to():
     assert 1e6 * true_square(rest / 2 * back, np.ones(3), rest) == pytest.approx(square, rel=1e-6)
 
 
-def test_a_cable_on_an_arm_turns_the_body():
-    """A body that a cable holds beside its centre, at rest: moment and force of the tension."""
-    scene = hung(arm=0.3, preload=MASS * G)
-    outcome = fpm.simulate(scene, duration=0.5, instants=6)[0]
-    np.testing.assert_allclose(outcome.points["mass"][0][:, 2], -1.1, atol=1e-12)
-    scene = hung(rest=1.0)
-    scene.cables = []
-    scene.add_cable("side", [(0, None), (1, (0.3, 0, -0.8))], EA, preload=10.0)
-    outcome = fpm.simulate(scene, duration=0.01, instants=101, step=1e-5)[0]
-    # Force and moment of the tension at the start, 10 N along (-3, 0, 8).
-    pull = 10.0 * np.array([-3.0, 0, 8.0]) / np.sqrt(73)
-    moment = np.cross([0.3, 0, 0], pull)
-    early = outcome.points["mass"][1][10] / outcome.time[10]
-    np.testing.assert_allclose(early, pull / MASS - [0, 0, G], rtol=0.02)
-    assert np.abs(outcome.energies["balance"]).max() < 1e-6
-    assert moment[1] < 0 and outcome.final.spin[1, 1] < 0
-
-
 def test_points_that_meet_under_tension_are_refused():
     scene = fpm.Scene("meeting", gravity=(0, 0, -1e-3))
     one, two = (int(p) for p in scene.add_particles([(0, 0, 0), (1, 0, 0)], 1.0, np.ones((2, 3))))

@@ -2,10 +2,8 @@
 
 import numpy as np
 import pytest
-from asking import curves, vector, vectors
 
 import fpm
-from fpm.elements import Motor
 
 pytestmark = pytest.mark.slow  # a time loop of its own
 
@@ -61,22 +59,3 @@ def test_momenta_of_all_particles_die_out_as_in_closed_form():
     lost = 0.5 * mass * (VELOCITY @ VELOCITY - velocity @ velocity) + mass * weight @ fallen
     lost += turning * (1 - left**2)
     assert outcome.energies["damping_work"][-1] == pytest.approx(lost, rel=1e-6)
-
-
-def test_a_motor_and_the_joints_bear_what_damping_takes():
-    """At a constant rate w a motor bears c J w, and the hinge the weight and c m w r, whatever the
-    step: momenta of what joints move are damped before these act."""
-    scene = fpm.Scene("led", gravity=(0, 0, -G), damping=RATE)
-    ground, body = (int(p) for p in scene.add_particles([(0, 0, 0), (0.5, 0, 0)], 2.0, 0.1))
-    scene.fix(ground)
-    hinge = scene.add_hinge("H", (ground, body), (0, 0, 0), (0, 0, 1))
-    scene.add(Motor(hinge, None, 0.0, 0.0, 3.0, -1, by_rate=True))
-    definitions = vectors("constraint_force", "H")
-    _, found, outcome = curves(scene, definitions, duration=TIME, instants=11, step=2e-3)
-    force, angle = vector(found, "H"), outcome.openings["H"]
-    moment = outcome.records["motor_moment"].values[:, 0]
-    assert moment == pytest.approx(RATE * (0.1 + 2.0 * 0.5**2) * 3.0, rel=1e-4)
-    along = -np.sin(angle) * force[:, 0] + np.cos(angle) * force[:, 1]
-    assert np.abs(along) == pytest.approx(RATE * 2.0 * 3.0 * 0.5, rel=1e-4)
-    assert np.abs(force[:, 2]) == pytest.approx(2.0 * G, rel=1e-9)
-    assert np.abs(outcome.energies["balance"]).max() < 1e-4 * outcome.energies["kinetic"][0]

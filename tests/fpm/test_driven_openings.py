@@ -79,24 +79,6 @@ def test_a_loop_swings_between_its_hinges_and_gets_slack(outcomes):
     assert pull.max() == pytest.approx(k / 2 * size, rel=1e-3)
 
 
-def only(scene: fpm.Scene, *kinds) -> fpm.Scene:
-    """The scene without what else acts on its hinges."""
-    for kind in (Motor, TorqueMotor, Release, SyncLoop, fpm.elements.TorsionSpring):
-        if kind not in kinds:
-            scene.kinds.pop(kind, None)
-    return scene
-
-
-def test_the_stable_step_of_a_loop_is_exact():
-    fast = np.sqrt(1000.0 * (0.01 / J + 0.04 / SMALL))
-    limit = fpm.find_stable_step(only(everything(), SyncLoop))
-    assert limit.frequency == pytest.approx(fast, rel=1e-12)
-    assert limit.element == "loop belt"
-    scene = everything()
-    scene.fix(scene.hinges[5].particles[1])
-    assert fpm.find_stable_step(only(scene, SyncLoop)).frequency == pytest.approx(np.sqrt(10 / J))
-
-
 @pytest.mark.slow
 def test_damping_is_stable_at_the_share_of_the_limit_that_a_run_takes():
     for damping in (1.0, 20.0, 400.0, 8000.0):

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
 import pytest
 from flaps import bare
-from jointed_scenes import chain, pairs, platform
+from jointed_scenes import chain, platform
 
 from deployable.campaign.config.sections import scene_type
 from fpm import structures
-from fpm.elements import Damper, Joint
-from fpm.elements.joints.joint_arrays import elimination, neighbours, pattern
+from fpm.elements import Damper
 from fpm.scenes import timestep
 
 STRUCTURES = Path(__file__).parents[2] / "config" / "structures"
@@ -29,24 +27,6 @@ def test_a_kind_states_its_cost():
     without, damped, dear = map(timestep.step_seconds, scenes)
     assert damped - without == pytest.approx(1e-9 * Damper.cost)
     assert dear - without == pytest.approx(1e-5)
-
-
-@pytest.mark.parametrize("scene", [chain(6), pairs(), platform(5)])
-def test_eliminations_are_counted_as_they_are_done(scene):
-    joints = Joint.find(scene)
-    on = sorted({p for joint in joints for p in joint.particles})
-    slots = np.array([[on.index(p) for p in joint.particles] for joint in joints])
-    movable = ~scene.fixed[on].all(axis=1)
-    order, below = elimination(neighbours(slots, movable))
-    found, _ = pattern([joints[j].conditions for j in order], slots[order], movable, below)
-    count = found.count
-    done = sum(n**3 / 6 for n in count)
-    for j, n in enumerate(count):
-        some = found.followers[found.below_start[j] : found.below_start[j + 1]]
-        done += sum(n**2 * count[k] / 2 for k, _ in some)
-        for i, k, *_ in found.updates[found.update_start[j] : found.update_start[j + 1]]:
-            done += n * count[i] * count[k] * (0.5 if i == k else 1.0)
-    assert Joint.elimination(scene) == (count.sum(), pytest.approx(done))
 
 
 def test_joints_on_one_body_cost_more_than_those_of_a_chain():

@@ -74,12 +74,6 @@ def test_a_harness_with_a_set_resists_as_one():
     assert found.work["tape (hysteresis h)"] == pytest.approx(-0.02, rel=1e-6)
 
 
-def test_without_hysteresis_both_branches_are_one():
-    found = sweep(loads(SHEET).build(half=0.0), "h", 0.0, 1.0)
-    assert found.work["tape (hysteresis h)"] == pytest.approx(0.0, abs=1e-15)
-    assert found.work["tape (spring h)"] == pytest.approx(0.03 - 0.03 * found.opening, abs=1e-9)
-
-
 @pytest.mark.slow
 def test_a_sheet_turns_where_the_branch_has_taken_its_energy_and_sticks_there():
     """J w²/2 against the integral of the branch; there the mean is less than half of the width."""

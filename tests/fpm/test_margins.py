@@ -210,21 +210,6 @@ def test_what_drives_counts_by_the_standard():
         assert standard.drives == weighed.get(name, whole), name
 
 
-@pytest.mark.parametrize(
-    ("more", "words", "first", "last"),
-    [
-        ({}, ", from each run's start", 0.0, 1.0),
-        ({"from": "stow"}, ", from each run's start", 0.0, 1.0),
-        ({"from": 0.2}, "", 0.2, 1.0),
-        ({"from": "0.2 rad", "to": "stow"}, "", 0.2, 0.0),
-    ],
-)
-def test_what_a_margin_lies_over_says_whether_each_run_has_its_own_start(more, words, first, last):
-    definition = {"margin": "h1", "to": 1.0, "standard": "aiaa-s-114"} | more
-    along = responses.parse("m", definition, panel()).along
-    assert along == (f"opening of h1{words}", "rad", first, last)
-
-
 def given(way, *parts):
     """A response of parts and a run that has them: each part's class of factors, drive and resist,
     and its moment as a function of the opening."""
@@ -252,16 +237,3 @@ def test_the_least_margin_between_positions_is_as_exact_as_it_is_sought(count):
         bowl = (1.0, 0.0, lambda x, at=at: 1.0 + (x - at) ** 2)
         least, place = margins.least(*given(way, bowl, (0.0, 1.0, lambda x: -1.0)))
         assert (least, place) == pytest.approx((0.0, at), abs=2e-6), at
-
-
-def test_a_margin_of_nothing_is_not_below_it_by_rounding():
-    """Springs of 3 k in all drive with the factor 0.8 against k with 2.4; rounding made it less."""
-    definition = {"margin": "h1", "to": 1.0, "standard": "ecss-e-st-33-01c"}
-    ends = set()
-    for k in np.linspace(0.1, 0.9, 9):
-        scene = hinged(0.0)
-        for moment in (k, k, k, -k):
-            scene.classes[TableSpring, len(TableSpring.find(scene))] = "S"
-            scene.add(TableSpring(0, (-9.0, 9.0), (moment, moment)))
-        ends.add(found(scene, definition)[1])
-    assert ends == {0.0}

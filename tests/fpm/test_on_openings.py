@@ -6,7 +6,6 @@ from flaps import J, bare, flap
 
 import fpm
 from fpm.elements import Damper, Friction, Latch, Stop, TableSpring
-from fpm.elements.openings.opening import FINER
 from fpm.elements.openings.table_spring import bends
 from fpm.reading.responses import parse
 
@@ -132,52 +131,6 @@ def test_the_least_energy_of_a_table_is_zero():
     given = np.concatenate([[0.0], np.cumsum(np.diff(grid) * np.interp(grid[1:], *TAPE))])
     assert spring.lift == pytest.approx(given.max(), abs=1e-4)
     assert bends(spring.angles, spring.moments).sum() == pytest.approx(0.0, abs=1e-12)
-
-
-def test_the_stable_step_knows_all_of_them():
-    def limit(*elements):
-        scene = bare()
-        for element in elements:
-            scene.add(element)
-        return fpm.find_stable_step(scene).step
-
-    exact = 2 * np.sqrt(J / 50)
-    assert limit(Latch(0, 1.0, 50.0)) == pytest.approx(exact)
-    assert limit(Stop(0, 1.0, "above", 50.0)) == pytest.approx(exact / FINER[0])
-    assert limit(Latch(0, 1.0, 50.0, holds="one way")) == pytest.approx(exact / FINER[0])
-    assert limit(Friction(0, 0.05, damping=0.0)) == pytest.approx(exact)
-    assert limit(TableSpring(0, (0.0, 0.1, 1.0), (0.0, -5.0, 3.0))) == pytest.approx(exact)
-    assert limit(Damper(0, 0.5)) == pytest.approx(J / 0.5)
-    struck = Stop(0, 1.0, "below", 50.0, 3.0)
-    for element, k in ((Latch(0, 1.0, 50.0, 3.0), 50), (struck, 50 * FINER[1] ** 2)):
-        found = limit(element)
-        exact = (-18 / J + np.sqrt((18 / J) ** 2 + 16 * k / J)) / (2 * k / J)
-        assert 0.98 * exact < found <= exact * (1 + 1e-12)
-    assert limit(Damper(0, 0.0)) == np.inf
-
-
-def test_extrapolated_dampers_are_stable_up_to_the_limit_and_not_beyond():
-    """All matrices K and C: the roots of the whole recursion, below and above the bound."""
-    random = np.random.default_rng(1)
-
-    def largest(K, C, h):
-        one, zero = np.eye(3), np.zeros((3, 3))
-        new = [2 * one - h**2 * K - 1.5 * h * C, 2 * h * C - one, -0.5 * h * C]
-        rows = [new, [one, zero, zero], [zero, one, zero]]
-        return np.abs(np.linalg.eigvals(np.block(rows))).max()
-
-    for _ in range(50):
-        roots = random.standard_normal((2, 3, 3))
-        K, C = roots[0] @ roots[0].T, random.uniform(0, 3) * roots[1] @ roots[1].T
-        low, high = 1e-3, 10.0
-        for _ in range(60):
-            h = np.sqrt(low * high)
-            worst = np.linalg.eigvalsh(h**2 * K + 4 * h * C)[-1]
-            low, high = (h, high) if worst < 4 else (low, h)
-        assert largest(K, C, 0.999 * low) < 1 + 1e-9
-    K, C = np.diag([1.0, 2, 3]), np.diag([0.1, 0.2, 0.3])
-    exact = (-1.2 + np.sqrt(1.44 + 48)) / 6
-    assert largest(K, C, 1.001 * exact) > 1.0
 
 
 @pytest.mark.slow

@@ -66,17 +66,6 @@ def test_its_events_and_what_it_records_are_in_the_file(outcome, tmp_path):
     assert np.array_equal(curves.energies["ground"], outcome.energies["ground"])
 
 
-def test_alone_and_in_a_batch_it_gives_the_same_bits(outcome):
-    starts = [0.5, 0.7, 0.9]
-    batch = fpm.simulate([body(s) for s in starts], duration=2.0, instants=101, step=1e-3)
-    for k in (0, 1):
-        assert np.array_equal(batch[1].points["body"][k], outcome.points["body"][k])
-    for name, values in outcome.energies.items():
-        assert np.array_equal(batch[1].energies[name], values)
-    assert np.array_equal(batch[1].events, outcome.events)
-    assert not np.array_equal(batch[0].points["body"][0], outcome.points["body"][0])
-
-
 def test_what_it_refuses_and_its_topology():
     for wrong, message in (
         ((0, (0, 0, 0), -1.0, 1.0), r"ground spring stiffness = -1.0 .* of at least 0 \(N/m\)"),

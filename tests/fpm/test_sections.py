@@ -64,23 +64,6 @@ def test_a_cantilever_bears_its_end_load_in_every_section(turned, load):
         np.testing.assert_allclose(here_moment[0], expected, atol=1e-5)
 
 
-def test_forces_and_moments_balance_for_a_whole_element():
-    """Of an element in large motion, those at both ends."""
-    section = fpm.Section.rectangle(0.02, 0.05)
-    scene = cantilever(section, TURNED, 1)
-    generator = np.random.default_rng(3)
-    position, frame = bent(scene, section, (3e3, 200.0, -300.0), (40.0, 70.0, -50.0), TURNED)
-    position = position + 1e-4 * generator.normal(size=position.shape)
-    bar = bars.bars_of(scene)["bar"]
-    found = bars.sections_of(scene, bar, lambda p: position[:, p], lambda p: frame[:, p])
-    axes = frame[0] @ (scene.frame.swapaxes(1, 2) @ scene.beams[0].triad[0])
-    both = np.stack([found.moment[0, 0], found.force[0, 0]])
-    (start, end), (here, there) = np.einsum("eij,vej->vei", axes, both)
-    np.testing.assert_allclose(here, there, rtol=1e-12)
-    arm = position[0, 1] - position[0, 0]
-    np.testing.assert_allclose(start - end, np.cross(arm, here), rtol=1e-9, atol=1e-9)
-
-
 def test_torsion_of_rectangles_has_the_stress_of_the_tables():
     """Timoshenko and Goodier, § 109: T/(k b h²) with k = 0.208 (square), 0.246 (2:1), 0.312 (10:1);
     three digits."""

@@ -25,16 +25,6 @@ def bodies(*masses, held=True) -> fpm.Scene:
     return scene
 
 
-def oscillator() -> fpm.Scene:
-    """A body of 2 kg on a slide with a spring and a damper."""
-    scene = bodies(1.0, 2.0)
-    slide = scene.add_slide("boom", (0, 1), (0.1, 0.0, 0.0), X, 0.05)
-    scene.add_torsion_spring(slide, 50.0, 0.2)
-    scene.add(Damper(slide, 1.5))
-    scene.velocity[1] = 0.3 * X
-    return scene
-
-
 def test_openings_at_the_start_are_those_that_are_stated():
     scene = bodies(1.0, 2.0, 1.0)
     assert scene.add_slide("boom", (0, 1), (0.1, 0.0, 0.0), X, -0.07) == 0
@@ -96,16 +86,6 @@ def test_what_cannot_act_on_a_slide_is_refused_in_its_units(kind, said):
         scene.add(kind(slide))
 
 
-def test_the_stable_step_of_a_slide_is_that_of_the_masses_where_the_line_misses_no_centre():
-    scene = bodies(1.0, 2.0, held=False)
-    along = scene.position[1] - scene.position[0]
-    scene.add_torsion_spring(scene.add_slide("boom", (0, 1), (0.9, -4.0, 2.0), along), 50.0)
-    assert find_stable_step(scene).frequency == pytest.approx(np.sqrt(50.0 * 1.5), rel=1e-9)
-    held = bodies(1.0, 2.0)
-    held.add_torsion_spring(held.add_slide("boom", (0, 1), (0.9, -4.0, 2.0), X), 50.0)
-    assert find_stable_step(held).frequency == pytest.approx(5.0, rel=1e-9)
-
-
 def test_the_stable_step_of_a_cross_holds_wherever_it_turns():
     """A spring about the axis on the first part turns the second about its softest direction."""
     for angle in (0.0, 0.7, np.pi / 2):
@@ -142,36 +122,6 @@ def test_files_have_what_slides_and_their_latches_did(tmp_path):
         assert found.evaluate(curves)[-1] == pytest.approx(value, rel=1e-5)
     with pytest.raises(fpm.SceneError, match="one of caught, crossed_other"):
         responses.parse("impact", {"latch_impact": "latched"}, outcome.scene)
-
-
-@pytest.mark.slow
-def test_rates_forces_and_work_on_a_slide_are_those_of_the_oscillator():
-    definitions = {
-        "way": {"opening": "boom"},
-        "rate": {"opening_rate": "boom"},
-        "spring": {"joint_moment": "boom", "part": "spring"},
-        "damper": {"joint_moment": "boom", "part": "damper"},
-        "power": {"joint_power": "boom"},
-        "lost": {"loss": "damper"},
-    }
-    asked = [responses.parse(name, d, oscillator()) for name, d in definitions.items()]
-    assert [r.unit for r in asked] == ["m", "m s-1", "N", "N", "W", "J"]
-    needs = [column for response in asked for column in response.needs]
-    (outcome,) = fpm.simulate(oscillator(), duration=1.0, instants=1001, step=1e-4, record=needs)
-    way, rate, spring, damper, power, lost = (r.evaluate(outcome) for r in asked)
-    time, mass, decay = outcome.time, 2.0, 1.5 / 4
-    damped = np.sqrt(25.0 - decay**2)
-    start = np.array([-0.15, (0.3 - decay * 0.15) / damped])
-    wave = np.array([np.cos(damped * time), np.sin(damped * time)])
-    exact = 0.2 + np.exp(-decay * time) * (start @ wave)
-    speed = np.gradient(exact, time, edge_order=2)
-    np.testing.assert_allclose(way, exact, atol=1e-7)
-    np.testing.assert_allclose(rate, speed, atol=1e-5)
-    np.testing.assert_allclose(spring, -50.0 * (exact - 0.2), atol=1e-5)
-    np.testing.assert_allclose(damper, -1.5 * speed, atol=2e-3)
-    np.testing.assert_allclose(power, rate * (spring + damper), atol=1e-12)
-    held = mass * (0.3**2 - rate**2) / 2 + 25.0 * (0.15**2 - (way - 0.2) ** 2)
-    np.testing.assert_allclose(lost, held, atol=1e-5)
 
 
 @pytest.mark.parametrize(("number", "limit"), [(0, 1.034372e-4), (1, 1.075014e-4)])

@@ -4,13 +4,9 @@ import numpy as np
 import pytest
 
 import fpm
-from evidence.verification.relax import mode_shape
-from evidence.verification.vibration import modes
-from fpm.elements import BarDamping
 from fpm.structures import loads
 from fpm.structures.describe import describe
 
-ZETA = 0.05
 HELD = {"bending": ("y", "xz"), "axial": ("yz", "xyz"), "torsion": ("xyz", "yz")}
 
 
@@ -24,18 +20,6 @@ def bar(motion: str, beta: float = 0.0) -> fpm.Scene:
     scene.fix(bar[0])
     scene.add_point("end", int(bar[-1]), (1.0, 0.0, 0.1))
     return scene
-
-
-def set_off(motion: str, mode: int, beta: float | None = None):
-    """The bar, set off in one of its modes, which is damped by ZETA or by `beta` (s); its frequency
-    (rad/s), and the velocity of its end."""
-    plain = bar(motion)
-    frequency = modes(plain, "cantilever" if motion == "bending" else motion)[mode]
-    shape = 1e-5 * frequency * mode_shape(plain, frequency)
-    scene = bar(motion, 2 * ZETA / frequency if beta is None else beta)
-    scene.velocity += shape[:, :3]
-    scene.spin += shape[:, 3:]
-    return scene, frequency, shape[-1, :3] + np.cross(shape[-1, 3:], (0, 0, 0.1))
 
 
 @pytest.mark.slow
@@ -53,47 +37,6 @@ def test_the_stable_step_is_that_of_the_highest_mode(share):
         times = {"duration": 2000 * factor * exact, "step": factor * exact}
         (outcome,) = fpm.simulate(scene, instants=11, **times)
         assert (outcome.failure is None) == stable
-
-
-BASE = """
-name: base
-materials: {wood: {E: 1 MPa, rho: 1e-3 kg/m3, stiffness_damping: BETA}}
-sections: {square: {type: square, side: 100 mm}}
-points: {a: [0, 0, 0], b: [2/3, -1/3, 2/3]}
-bars: {rod: {through: [a, b], section: square, material: wood, elements: 1}}
-masses:
-  m: {part: rod, at: b, mass: 10 kg, inertia: 1 kg m2}
-  n: {part: rod, at: a, mass: 10 kg, inertia: 1 kg m2}
-drives: {base: {part: rod, at: a, velocity: [2e-3/3, -1e-3/3, 2e-3/3], rotations: none}}
-record: {b: {part: rod, at: b}}
-"""
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("share", [0.05, 2.0])
-def test_a_mass_on_a_damped_rod_whose_other_end_is_led_at_once(share):
-    """With e its way less the base's: e'' + 2 z w e' + w² e = 0, e'(0) = -v. The force of the base
-    has the damper's jump in it, m 2 z w v at the start, before and beyond critical damping."""
-    frequency, speed, axis = np.sqrt(1e4 / 10), 1e-3, np.array([2, -1, 2]) / 3
-    scene = loads(BASE.replace("BETA", f"{float(2 * share / frequency)} s")).build()
-    interval, errors = 0.1 / frequency, []
-    step = interval / np.ceil(interval / (0.9 * fpm.find_stable_step(scene).step))
-    for part in (1, 2, 4):
-        record = [("reaction_force", f"base {x}") for x in "xyz"]
-        options = {"duration": 60 * interval, "instants": 61, "step": step / part}
-        (outcome,) = fpm.simulate(scene, record=record, **options)
-        root = frequency * np.emath.sqrt(share**2 - 1)
-        decay = np.exp(-share * frequency * outcome.time)
-        swing = decay * np.sinh(root * outcome.time) / root
-        slope = decay * np.cosh(root * outcome.time) - share * frequency * swing
-        place = outcome.points["b"][0]
-        lag = speed * outcome.time - (place - place[0]) @ axis
-        force = np.array([outcome.columns[key] for key in record]).T @ axis
-        exact = 10 * speed * (frequency**2 * swing + 2 * share * frequency * slope).real
-        errors.append(np.abs(lag - speed * swing.real).max() / speed * frequency)
-        assert force[0] == pytest.approx(exact[0], rel=1e-6)
-    assert force == pytest.approx(exact, abs=0.01 * exact.max())
-    assert errors[-1] < 1e-3 and np.log2(errors[1] / errors[2]) > 1.9
 
 
 @pytest.mark.slow
@@ -127,19 +70,6 @@ bars:
 joints: {knee: {type: fixed, parts: [soft, stiff], at: b}}
 supports: {foot: {part: soft, at: a}}
 """
-
-
-@pytest.mark.slow
-def test_samples_with_and_without_it_run_side_by_side_as_alone():
-    scenes = [set_off("torsion", 0, beta=beta)[0] for beta in (0.0, 1e-4, 3e-4)]
-    step = 0.9 * fpm.find_stable_step(scenes[-1]).step
-    together = fpm.simulate(scenes, duration=1000 * step, instants=11, step=step)
-    for scene, outcome in zip(scenes, together, strict=True):
-        (alone,) = fpm.simulate(scene, duration=1000 * step, instants=11, step=step)
-        assert (alone.points["end"][0] == outcome.points["end"][0]).all()
-    taken = [outcome.energies["damping_work"][-1] for outcome in together]
-    assert taken[0] == 0 < taken[1] < taken[2]
-    assert len(BarDamping.find(scenes[0])) == 0 < len(BarDamping.find(scenes[1]))
 
 
 def test_a_structure_says_what_it_does_to_the_stable_step():

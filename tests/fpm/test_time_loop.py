@@ -27,15 +27,6 @@ def batch():
     return scenes, fpm.simulate(scenes, duration=0.4, instants=81, step=4e-5)
 
 
-def test_a_sample_does_not_depend_on_its_neighbours(batch):
-    scenes, together = batch
-    order = [7, 2, 9]
-    shuffled = fpm.simulate([scenes[i] for i in order], duration=0.4, instants=81, step=4e-5)
-    for i, outcome in zip(order, shuffled, strict=True):
-        assert equal(outcome, together[i])
-    assert not equal(together[2], together[3])
-
-
 def test_hinges_stay_closed_and_energy_balances(batch):
     _, together = batch
     for outcome in together:
@@ -53,20 +44,6 @@ def test_held_hinge_points_stay_where_they_are(batch):
             height = outcome.points[name][0][:, 2]
             assert np.ptp(height) < 1e-10
             assert np.ptp(outcome.points[name][0][:, 0]) > 1e-3, "they slide"
-
-
-def test_hinges_stay_closed_however_fast_they_turn():
-    """500 rad/s, 0.015 rad in a step: a tilt asks for rounds of its own, down to a tenth of what
-    it asks them for (5e-8 rad)."""
-    scene = build(elements=2, supports="free", start=60.0, E=1e10, K_F=0.0)
-    spin = 500.0 * np.array([0.48, 0.6, 0.64])
-    scene.spin[:] = spin
-    scene.velocity[:] = np.cross(spin, scene.position)
-    limit = fpm.find_stable_step(scene).step
-    (outcome,) = fpm.simulate(scene, duration=0.004, instants=21, step=0.8 * limit)
-    assert outcome.failure is None
-    assert outcome.records["hinge_axis_gap"].values.max() < 5e-9
-    assert outcome.records["hinge_gap"].values.max() < 1e-10
 
 
 def test_contacts_close_where_the_opening_crosses_zero(batch):
@@ -141,27 +118,6 @@ def test_a_linkage_at_rest_at_closure_has_no_contact_events():
     outcome = fpm.simulate(linkage(start=120.0), duration=0.02, instants=5)[0]
     assert len(outcome.events) == 0
     assert np.abs(np.array(list(outcome.openings.values()))).max() < 1e-9
-
-
-def test_an_opening_of_exactly_zero_hides_no_event():
-    """A step that ends at the very level of an event, on the way down and on the way up."""
-    from numba import njit
-
-    from fpm.kernels.lanes import load
-    from fpm.kernels.record import note_crossings
-    from fpm.kernels.world import Log, StepTime
-
-    @njit
-    def note(log, track, n, timing):
-        note_crossings(log, 2, load(track, n - 1, 0), load(track, n, 0), timing)
-
-    track = np.ones((6, 1, 8))
-    track[:, 0, 3] = [1.0, 0.0, -1.0, 0.0, 1.0, 1.0]
-    log = Log(np.full((8, 3, 8), np.nan), np.zeros(8, np.int64), 5, np.zeros((2, 1, 8)))
-    for n in range(1, len(track)):
-        note(log, track, n, StepTime(float(n), 1.0, 1.0))
-    assert list(log.count) == [0, 0, 0, 2, 0, 0, 0, 0]
-    assert log.events[:2, :, 3].tolist() == [[1.0, 7, 1], [3.0, 7, 0]]
 
 
 def test_no_path_is_chosen_by_a_sample_beside():

@@ -50,20 +50,6 @@ def test_places_are_added_until_what_lies_between_is_within_what_may_be(most, at
     assert len(found.positions) < 400
 
 
-@pytest.mark.parametrize(
-    ("falls", "rounds"),
-    [(lambda distance: 15.0, 2), (lambda distance: 1e4 * distance**0.3, MAX_POSITIONS),
-     (lambda distance: 16.0 * distance, 5), (lambda distance: 0.9, 1)],
-)  # fmt: skip
-def test_what_rounding_alone_misses_adds_few_places(falls, rounds):
-    """What is missed by a little at any distance is halved no further after two rounds; what
-    falls with the distance is halved until it is within what may be, what is large to the last."""
-    found = places(lambda x: x, count=2)
-    enough = found.refine(lambda expected, values, distance: falls(distance))
-    assert enough == (rounds < MAX_POSITIONS)
-    assert len(found.positions) == min(2**rounds + 1, MAX_POSITIONS)
-
-
 def test_a_jump_stands_twice_where_it_is():
     jump = np.sqrt(0.5)
     found = places(lambda x: np.where(x < jump, x, x + 1.0))

@@ -101,16 +101,6 @@ def errors(bounds, motion, dense):
     return off / (high - low).sum(axis=1), inside.mean(axis=1)
 
 
-def test_a_jump_that_each_run_has_at_its_own_time_is_followed(dense):
-    design, points = runs(2)
-    data = samples(stop, points)
-    aligned = bounds_dataset(data, design, model="aligned")
-    off, inside = errors(aligned, stop, dense)
-    assert (off < 0.01).all() and (inside >= 0.99).all()
-    plain, _ = errors(bounds_dataset(data, design, model="polynomial"), stop, dense)
-    assert plain[1] > 5 * off[1]
-
-
 @pytest.mark.parametrize("motion", [stop, spring, pytest.param(swap, marks=pytest.mark.slow)])
 def test_the_model_that_predicts_left_out_runs_best_is_taken(motion, dense):
     design, points = runs(4)
@@ -186,34 +176,6 @@ def test_margins_that_no_spline_predicts_tell_only_where_they_are_near_zero():
     runs = [{(0, 1, 0): 1.0}] * 64
     assert unseen_difference(points, margins, TIME, runs) == np.inf
     assert unseen_difference(points, margins - 20, TIME, runs) == 1.0
-
-
-def test_bounds_contain_every_run_and_are_attained_where_they_say():
-    design, points = runs(4)
-    data = samples(brake, points)
-    bounds = bounds_dataset(data, design, model="aligned")
-    assert (data["values"] >= bounds["lower"] - 1e-12).all()
-    assert (data["values"] <= bounds["upper"] + 1e-12).all()
-    at = 100  # before any run has come to the stop
-    for side, where in (("lower", "argmin"), ("upper", "argmax")):
-        x = bounds[where].values[0, at]
-        assert brake(x)[0][0][at] == pytest.approx(bounds[side].values[0, at], abs=1e-4)
-
-
-@pytest.mark.slow
-def test_neither_order_of_runs_and_parameters_nor_units_of_time_and_response_matter():
-    design, points = runs(4)
-    data = samples(stop, points)
-    first = bounds_dataset(data, design, model="auto")
-    shuffled = data.isel(run=np.random.default_rng(0).permutation(len(points)))
-    other = bounds_dataset(shuffled, design, model="auto")
-    scaled = data.copy(deep=True).assign_coords(time=1e3 * TIME)
-    scaled["event_time"].values *= 1e3
-    scaled["values"].values *= 1e-3
-    in_units = bounds_dataset(scaled, design, model="auto")
-    for name in ("lower", "upper"):
-        np.testing.assert_allclose(other[name], first[name], atol=1e-4)
-        np.testing.assert_allclose(1e3 * in_units[name], first[name], atol=1e-4)
 
 
 def test_events_that_not_all_runs_have_or_that_come_together_are_not_shared():

@@ -72,16 +72,6 @@ def test_bounds_contain_every_run_and_the_error_what_they_missed(parts):
     xr.testing.assert_identical(include_runs(after, runs, values), after)
 
 
-def test_order_of_runs_and_a_larger_set_of_runs_do_not_matter():
-    box = Box(["f"], [0.9], [1.1])
-    few, many = make_design("tensor_lobatto", box, 4), make_design("tensor_lobatto", box, 8)
-    samples = samples_of(wave, box, many, TIME)
-    shuffled = samples.isel(run=np.random.default_rng(0).permutation(samples.sizes["run"]))
-    first, second = bounds_dataset(samples, few), bounds_dataset(shuffled, few)
-    assert (first["upper"][0] == second["upper"][0]).all()
-    assert first.attrs["held_out_runs"] > 4  # runs of the higher order test the lower one
-
-
 def test_missing_runs_and_endless_responses_are_refused():
     box = Box(["f"], [0.9], [1.1])
     design = make_design("tensor_roots", box, 3)

@@ -18,23 +18,6 @@ def test_places_follow_where_bounds_are_attained():
     assert (places.points[places.upper, 0] == -argmin[..., 0]).all()
 
 
-def test_few_places_are_spread_by_the_weight_of_the_instants(rng_seed=3):
-    """With one place it lies where the wide instants are; with more, all are nearer."""
-    attained = np.random.default_rng(rng_seed).uniform(-1, 1, (2, 300, 2))
-    width = np.ones((2, 300))
-    width[:, :200] = 1e-3
-    attained[:, 200:] = 0.1 * attained[:, 200:] + 0.5
-    one = intervals.choose_bound_points(attained, attained, width, 1)
-    assert abs(one.points - 0.5).max() < 0.1
-    spread = []
-    for count in (1, 4, 8):
-        places = intervals.choose_bound_points(attained, attained, width, count)
-        assert len(places.points) == count
-        apart = np.linalg.norm(attained - places.points[places.lower], axis=-1)
-        spread.append(float((apart * width).sum()))
-    assert spread == sorted(spread, reverse=True)
-
-
 def test_a_response_without_width_decides_no_places():
     attained = np.random.default_rng(5).uniform(-1, 1, (1, 60, 2))
     alone = intervals.choose_bound_points(attained, -attained, np.ones((1, 60)), 5)

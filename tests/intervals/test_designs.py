@@ -102,14 +102,6 @@ def test_zero_width_contributes_one_point():
     assert len(held_out_points(point.free, 4)) == 0
 
 
-@pytest.mark.parametrize("method", ["tensor_roots", "tensor_lobatto"])
-def test_order_64_is_stable(method):
-    design = make_design(method, 1, 64)
-    test = np.linspace(-1, 1, 101)
-    values = fit(design, np.sin(20 * design.points[:, 0])).evaluate(test[:, None])
-    np.testing.assert_allclose(values, np.sin(20 * test), atol=1e-13)
-
-
 @pytest.mark.parametrize("dimension", [1, 2, 3])
 def test_other_runs_are_those_at_no_point_of_the_design(dimension):
     """Also where they share all coordinates but one with some of its points."""

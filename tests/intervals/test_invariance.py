@@ -14,7 +14,6 @@ from deployable.intervals import (
 )
 from deployable.intervals.chebyshev import Surrogate, product_basis, tensor
 from deployable.intervals.ranges import find_surrogate_range
-from deployable.intervals.splines import choose_scales
 
 TIME = np.linspace(0.0, 1.0, 41)
 BOX = Box(["f", "g"], [0.9, 0.3], [1.1, 0.5])
@@ -74,42 +73,6 @@ def test_a_direction_without_width_changes_no_spline(free, place):
         assert not getattr(found, side)[..., place].any()
 
 
-def test_the_units_of_a_response_do_not_choose_the_scales_of_a_spline():
-    """One changes fast over the first parameter, the other over the second: which is stated in
-    millimetres does not matter."""
-    points = np.random.default_rng(2).uniform(-1, 1, (40, 2))
-    both = np.sin(6 * points)
-    scales = [choose_scales(points, both * units) for units in ([1, 1], [1000, 1], [1, 1000])]
-    one = [choose_scales(points, both[:, [j]]) for j in range(2)]
-    assert one[0].tolist() != one[1].tolist()
-    np.testing.assert_array_equal(scales[1:], [scales[0]] * 2)
-
-
-@pytest.mark.parametrize("dimension", [1, 2, 3])
-def test_the_range_of_a_spline_does_not_depend_on_how_many_places_are_tried_first(dimension):
-    """To 1e-4 of its width, a tenth of what is told; the best place is improved, wherever it is."""
-    rng, at = np.random.default_rng(5), np.linspace(0.31, -0.42, dimension)
-    points = rng.uniform(-1, 1, (20 * dimension, dimension))
-    hills = np.exp(-((points - at) ** 2).sum(axis=1)[:, None] * [0.5, 1.0, 2.0, 3.0])
-    spline = fit_spline(points, hills)
-    few, many = (spline_range(spline, candidates=count) for count in (64, 4096))
-    slack = 1e-4 * (many.upper - many.lower)
-    assert (abs(few.upper - many.upper) <= slack).all()
-    assert (abs(few.lower - many.lower) <= slack).all()
-
-
-@pytest.mark.parametrize("model", ["polynomial", "spline", "scan"])
-def test_bounds_are_attained_where_they_are_said_to_be(model):
-    design = make_design("tensor_lobatto", BOX, 10)
-    samples = samples_of(wave, BOX, design, TIME)
-    found = bounds_dataset(samples, design, model=model)
-    slack = 1e-12 if model == "scan" else 2e-3 if model == "spline" else 1e-5
-    for side, values in (("argmin", "inner_lower"), ("argmax", "inner_upper")):
-        for t in range(0, len(TIME), 5):
-            there = wave(found[side].values[0, t])[t]
-            assert there == pytest.approx(float(found[values][0, t]), abs=slack)
-
-
 @pytest.mark.parametrize("unit", [1e-9, 1e9])
 @pytest.mark.parametrize("held_out", [0, 9])
 @pytest.mark.parametrize("model", ["polynomial", "spline", "scan"])
@@ -123,18 +86,6 @@ def test_bounds_and_their_errors_do_not_depend_on_the_unit(model, held_out, unit
         np.testing.assert_allclose(other[name] / unit, found[name], rtol=1e-6, atol=1e-12)
     share = "error_share_of_width"
     np.testing.assert_allclose(other[share], found[share], rtol=1e-6, atol=1e-12)
-
-
-@pytest.mark.parametrize("model", ["polynomial", "spline", "scan"])
-def test_bounds_do_not_depend_on_when_time_begins(model):
-    design = make_design("tensor_lobatto", BOX, 3)
-    samples = samples_of(wave, BOX, design, TIME)
-    first = bounds_dataset(samples, design, model=model)
-    later = bounds_dataset(samples.assign_coords(time=TIME + 7.0), design, model=model)
-    parts = ("error", "error_held_out", "error_decay", "error_share_of_width")
-    for name in ("lower", "upper", *parts):
-        np.testing.assert_allclose(later[name], first[name], rtol=1e-9)
-    np.testing.assert_allclose(later["largest_width_time"], first["largest_width_time"] + 7.0)
 
 
 def test_what_seeking_promises_does_not_depend_on_offsets_and_scales():

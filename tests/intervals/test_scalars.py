@@ -16,7 +16,6 @@ from deployable.intervals.scalars import (
     FittedOccurrence,
     Goal,
     Limit,
-    Occurrence,
     find_halving,
     find_influence,
     find_least_scales,
@@ -24,7 +23,6 @@ from deployable.intervals.scalars import (
     fit_scalar,
     share_borders,
     share_of_box,
-    shares_of_box,
     sub_box,
 )
 
@@ -46,10 +44,6 @@ def opening_time(x: np.ndarray) -> np.ndarray:
     return 1.9 * (1 + 0.05 * x[:, 0]) ** -0.5
 
 
-def two(x: np.ndarray) -> np.ndarray:
-    return np.exp(0.3 * x[:, 0]) * (1 + 0.2 * x[:, 1] ** 2) + 0.5 * x[:, 1]
-
-
 def test_a_smooth_number_is_fitted_to_nine_digits_and_its_error_estimate_covers_that():
     surrogate = fitted(opening_time, 1)
     x = np.linspace(-1, 1, 501)[:, None]
@@ -60,13 +54,6 @@ def test_a_smooth_number_is_fitted_to_nine_digits_and_its_error_estimate_covers_
     assert found.low == pytest.approx(1.9 / np.sqrt(1.05), rel=1e-8)
     assert found.high == pytest.approx(1.9 / np.sqrt(0.95), rel=1e-8)
     assert (found.argmin[0], found.argmax[0]) == (1.0, -1.0)
-
-
-def test_a_number_with_a_kink_is_left_to_the_spline():
-    """A polynomial ripples where a number has a kink; the left-out runs tell."""
-    surrogate = fitted(lambda x: np.abs(x[:, 0] - 0.1), 1, order=16, held_out=8)
-    assert surrogate.fit.kind == "spline through all runs"
-    assert surrogate.range().low == pytest.approx(0, abs=0.1)
 
 
 def test_one_run_and_a_box_without_width():
@@ -91,44 +78,6 @@ def test_what_each_parameter_contributes():
     assert found.halved[0] == pytest.approx(5.0)
     # The second in [-0.25, 0.75]: 4.125 down to -3.125 (x2 = -0.25: -3 - 0.25 + 0.125).
     assert found.halved[1] == pytest.approx(4.125 + 3.125)
-
-
-def test_equal_parameters_get_equal_widths_within_their_errors():
-    """Of abcd + 0.3 (a + b + c + d), whose runs have few corners, by where extremes were sought.
-    Halved: from 0.5 + 1.05 down to -0.5 - 0.75; exact: 0.9 either way."""
-
-    def function(x: np.ndarray) -> np.ndarray:
-        return x.prod(axis=1) + 0.3 * x.sum(axis=1)
-
-    added = [[1.0] * 4, [-1.0] * 4, [-1, -1, -1, 1], [-1, -1, -1, 0.43], [1, 1, 1, 0.48],
-             [0.83] * 4, [0.54, 0.5, 1, 1], [1, 1, 0.52, 0.52], [0.52, 1, 1, 0.52]]  # fmt: skip
-    points = runs(4, order=3)
-    previous = fit_scalar(points, function(points))
-    points = np.concatenate([points, added])
-    found = find_influence(fit_scalar(points, function(points)), np.zeros(4), previous)
-    assert (np.abs(found.halved - 2.8) <= found.error).all()
-    assert (np.abs(found.fixed - 1.8) <= found.error).all()
-    assert np.abs(found.halved - 2.8).max() > 0.3, "the runs do not tell"
-
-
-def test_widths_of_parts_err_by_what_the_polynomial_alone_lacks():
-    """Of a ripple, which corrections at runs follow: widths of parts come from the polynomial,
-    whose width of the whole box is less than the one that is told."""
-    points = np.concatenate([runs(2, order=3), np.random.default_rng(0).uniform(-1, 1, (20, 2))])
-    surrogate = fit_scalar(points, points.sum(axis=1) + 0.5 * np.sin(points @ [40.0, 31.0]))
-    found = find_influence(surrogate, np.zeros(2))
-    lack = surrogate.range().width - found.width
-    assert lack > 0.5
-    assert (found.error >= lack).all()
-
-
-def test_what_is_below_the_error_is_no_sensitivity():
-    rng = np.random.default_rng(1)
-    points = runs(2)
-    values = points[:, 0] + 1e-3 * rng.standard_normal(len(points))
-    found = find_influence(fit_scalar(points, values), np.zeros(2))
-    np.testing.assert_array_equal(found.share, [1.0, 0.0])
-    assert found.alone[1] > 0
 
 
 def shims(k: int, level: float) -> Limit:
@@ -203,15 +152,6 @@ def test_the_share_is_open_by_what_the_runs_themselves_may_be_wrong_by():
     limit = Limit(surrogate, "at_most", 2.1, run_error=0.01)
     assert limit.error == pytest.approx(0.01, abs=1e-9)
     assert share_of_box([limit], np.ones(1)) == pytest.approx((0.55, 0.005), abs=1e-6)
-
-
-def test_a_box_without_width_meets_all_limits_or_does_not():
-    fixed = fit_scalar(np.zeros((1, 2)), np.array([3.0]))
-    kept, broken = Limit(fixed, "at_most", 3.5), Limit(fixed, "at_least", 3.5)
-    for limits, share in (([kept], 1.0), ([kept, kept], 1.0), ([broken], 0.0), ([], 1.0)):
-        assert share_of_box(limits, np.zeros(2))[0] == share
-    for limits in ([kept, broken], [broken, kept]):
-        assert share_of_box(limits, np.zeros(2))[0] == 0.0
 
 
 @pytest.mark.parametrize("place", [0, 2])
@@ -515,46 +455,6 @@ def test_a_difference_of_times_that_the_end_cuts_off_has_the_borders_of_both(mon
     assert len(calls) == 2
 
 
-def test_a_share_is_not_certainly_all_where_a_corner_fails():
-    x = scan_points(np.ones(5, bool), 300)
-    surrogate = fit_scalar(x, (x**2).sum(axis=1))
-    share, open_ = share_of_box([Limit(surrogate, "at_most", 4.97)], np.ones(5))
-    assert share == pytest.approx(1.0, abs=1e-5) and open_ > 1e-3
-
-
-def test_a_border_that_no_function_tells_is_open_as_far_as_it_is_rough():
-    """Runs that differ by chance in the middle half of the line."""
-    rng = np.random.default_rng(2)
-    x = np.linspace(-1, 1, 200)[:, None]
-    happens = np.where(np.abs(x[:, 0]) < 0.5, rng.random(200) < 0.5, x[:, 0] > 0)
-    found = Occurrence(x, happens)
-    assert 0.1 < found.open_fraction < 0.55
-
-
-@pytest.mark.parametrize("order", [(0, 1, 2), (2, 1, 0), (1, 0, 2), (1, 2, 0)])
-def test_the_limit_that_breaks_first_bounds_the_largest_box_whichever_is_stated_first(order):
-    """Of x + y at most 9, 1.6 and 1.2, in the box [-1, 1]²: the last is broken at 0.6 of it."""
-    surrogate = fitted(lambda x: x[:, 0] + x[:, 1], 2)
-    limits = [Limit(surrogate, "at_most", level) for level in (9.0, 1.6, 1.2)]
-    share, first, at = find_max_scale([limits[i] for i in order], np.zeros(2))
-    assert share == pytest.approx(0.6, abs=1e-6) and order[first] == 2
-    np.testing.assert_allclose(at, [0.6, 0.6], atol=1e-6)
-    assert find_max_scale([limits[0], limits[0]], np.zeros(2)) == (1.0, None, None)
-
-
-def test_a_level_beside_a_plateau_is_told_by_the_runs_that_keep_it():
-    """Of a number that is 0 in a part of the box, and at least 0.2 elsewhere: no fit tells where it
-    is below 0.01."""
-    points = scan_points(np.ones(2, bool), 80)
-    values = np.maximum(points @ [1.0, 0.6], 0.0)
-    values[values > 0] += 0.2
-    surrogate = fit_scalar(points, values)
-    limit = Limit(surrogate, "at_most", 0.01)
-    share, open_ = share_of_box([limit], np.ones(2))
-    assert abs(share - 0.5) <= open_ < 0.1
-    assert limit.rival is not None
-
-
 def settling(x: np.ndarray) -> np.ndarray:
     """A number that rises to 1 along a direction, and stays there."""
     along = 0.44 - x @ [1.0, -0.9, 0.3, -0.3]
@@ -590,17 +490,3 @@ def test_a_kind_of_fit_that_predicts_far_worse_has_no_say():
     share, open_ = share_of_box([limit], np.ones(3), lines=512)
     other, _ = share_of_box([limit.rival], np.ones(3), lines=512)
     assert abs(share - np.pi / 6) <= open_ + 1e-3 < 0.2 * abs(other - share)
-
-
-def test_sets_of_limits_have_the_shares_of_each_and_a_surrogate_is_evaluated_once(monkeypatch):
-    points = scan_points(np.ones(2, bool), 20)
-    surrogate = fit_scalar(points, points @ [1.0, 0.3])
-    limits = [Limit(surrogate, "at_most", level) for level in (-0.5, 0.0, 0.5)]
-    sets, calls = [*([limit] for limit in limits), limits[1:]], []
-    alone = [share_of_box(some, np.ones(2)) for some in sets]
-    predict = type(surrogate).predict
-    monkeypatch.setattr(
-        type(surrogate), "predict", lambda s, x: calls.append(len(x)) or predict(s, x)
-    )
-    np.testing.assert_allclose(shares_of_box(sets, np.ones(2)), alone, rtol=0, atol=1e-12)
-    assert sum(calls) < 2048 * 65 * 1.3  # and the other kind of fits on a quarter of the lines

@@ -59,54 +59,6 @@ def test_in_one_dimension_it_is_the_natural_cubic_spline(count):
     )
 
 
-def test_thousands_of_runs_on_a_line():
-    """A jitter is left in the spacing and the values, to which the cubes' weights answer most."""
-    random = np.random.default_rng(4)
-    points = np.linspace(-1, 1, 4000)[:, None] + random.uniform(-2e-4, 2e-4, (4000, 1))
-    points, fresh = random.permutation(points), np.linspace(-0.99, 0.99, 777)[:, None]
-
-    def values(x):
-        return np.concatenate([np.sin(7 * x), np.cos(300 * x)], axis=1)
-
-    spline = fit_spline(points, values(points))
-    np.testing.assert_allclose(spline.evaluate(points), spline.values, atol=1e-14)
-    np.testing.assert_allclose(spline.evaluate(fresh), values(fresh), atol=1e-4)
-    noise = random.standard_normal((4000, 2))
-    spline = fit_spline(points, noise)
-    np.testing.assert_allclose(spline.evaluate(points), noise, atol=1e-12)
-    assert spline.misfit.max() < 1e-12
-    for i in (0, 1234, 3999):
-        rest = np.arange(4000) != i
-        without = fit_spline(points[rest], noise[rest]).evaluate(points[i : i + 1])[0]
-        np.testing.assert_allclose(spline.left_out[i], noise[i] - without, rtol=1e-8)
-
-
-def test_beyond_the_runs_it_goes_on_as_a_line():
-    points = np.array([[0.3], [-0.4], [0.1], [-0.1]])
-    spline = fit_spline(points, np.exp(3 * points))
-    for side in (-1, 1):
-        x = side * np.array([[0.41], [0.6], [0.8], [1.0]])
-        slopes = np.diff(spline.evaluate(x)[:, 0]) / np.diff(x[:, 0])
-        inside = side * np.array([[0.4 - 1e-7 - 0.1 * (side > 0)], [0.4 - 0.1 * (side > 0)]])
-        expected = np.diff(spline.evaluate(inside)[:, 0]) / np.diff(inside[:, 0])
-        np.testing.assert_allclose(slopes, expected[0], rtol=1e-5)
-
-
-@pytest.mark.parametrize("k", [1, 2])
-def test_nearly_equal_runs_count_once_and_their_values_are_kept(k):
-    points = points_in(k, 30, 6)
-    near = points[:3] + 1e-7
-    values = np.sin(points.sum(axis=1, keepdims=True))
-    spline = fit_spline(np.concatenate([points, near]), np.concatenate([values, values[:3] + 2]))
-    assert len(spline.points) == 30
-    assert spline.misfit[0] == pytest.approx(2.0, abs=1e-5)
-    found = spline_range(spline)
-    assert found.lower[0] <= values.min()
-    assert found.upper[0] >= values[:3].max() + 2
-    at = int(np.argmax(values[:3]))
-    np.testing.assert_allclose(found.argmax[0], near[at])
-
-
 def test_runs_too_close_for_their_values_count_once_and_are_in_the_misfit():
     points = points_in(2, 30, 7)
     points[1:3] = points[0] + [[2e-4, 0], [4e-4, 0]]
@@ -214,14 +166,6 @@ def test_runs_that_repeat_or_share_a_value():
 def test_runs_that_give_no_bounds_are_told(points, allowed):
     with pytest.raises(IntervalError, match=allowed):
         check_spline_runs(np.array(points, dtype=float))
-
-
-def test_the_fewest_runs_give_bounds_with_an_error():
-    for points in ([[-1.0], [0.0], [1.0]], [[0, 0], [1, 0], [0, 1], [1, 1]], [[0.0, 0.0]]):
-        points = np.array(points, dtype=float)
-        check_spline_runs(points)
-        spline = fit_spline(points, np.exp(points.sum(axis=1, keepdims=True)))
-        assert np.isfinite(spline.left_out).all()
 
 
 @pytest.mark.parametrize(("order", "held_out"), [(2, 4), (4, 3)])

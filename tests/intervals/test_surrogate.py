@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from deployable.intervals import IntervalError, Surrogate, fit, make_design
-from deployable.intervals.chebyshev import total_degree
+from deployable.intervals import IntervalError, fit, make_design
 
 
 @pytest.mark.parametrize(("method", "kind"), [("tensor_roots", 2), ("tensor_lobatto", 1)])
@@ -16,16 +15,6 @@ def test_coefficients_on_grids_agree_with_the_paper_and_with_a_dct(method, kind)
     expected[[0] if kind == 2 else [0, -1]] /= 2
     found = fit(make_design(method, 1, 7), values).coefficients
     np.testing.assert_allclose(found, expected, atol=1e-14)
-
-
-def test_restriction_to_a_line():
-    indices = total_degree([3, 2])
-    surrogate = Surrogate(np.random.default_rng(1).standard_normal((len(indices), 4)), indices)
-    line = surrogate.restrict(1, np.array([0.3, 0.0]))
-    x = np.linspace(-1, 1, 7)
-    expected = surrogate.evaluate(np.stack([np.full(7, 0.3), x], axis=1))
-    values = np.polynomial.chebyshev.chebval(x, line).T
-    np.testing.assert_allclose(values, expected, atol=1e-13)
 
 
 def test_trailing_axes_are_kept_and_least_squares_smooths():

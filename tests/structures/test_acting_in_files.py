@@ -8,12 +8,8 @@ from fpm.elements import (
     Damper,
     Friction,
     Latch,
-    Motor,
-    Release,
     Stop,
-    SyncLoop,
     TableSpring,
-    TorqueMotor,
 )
 from fpm.structures import loads
 from fpm.structures.describe import describe
@@ -114,73 +110,6 @@ def test_classes_and_bearings_of_margins():
     assert "counts in margins only" in describe(loads(text))
     refused(text, "class: HA", "class: XX", "allowed: S, I, HM, FR")
     refused(text, ", radius: 20 mm", "", "a length on a hinge, and none on a slide")
-
-
-def test_motors_and_what_lets_go_are_in_the_scene():
-    scene = loads(MOTORS).build(L=1.5, stow=15.0)
-    knee, root = ([hinge.name for hinge in scene.hinges].index(name) for name in ("knee", "root"))
-    stow = np.radians(15.0)
-    belt, tie = SyncLoop.find(scene)
-    assert (belt.name, belt.hinges, belt.radii) == ("belt", (root, knee), (0.06, -0.03))
-    assert (belt.stiffness, belt.preload, tie.preload) == (2e4, 5.0, np.inf)
-    np.testing.assert_allclose([*belt.rest, *tie.rest], [stow, 0.2, np.radians(5.0), 0.0])
-    np.testing.assert_allclose(tie.radii, [0.15, 0.15])
-    (motor,), (aid,), (bolt, pin) = (kind.find(scene) for kind in (Motor, TorqueMotor, Release))
-    assert (motor.hinge, motor.stiffness, motor.damping, motor.curve) == (root, 5.0, 2.0, 0)
-    np.testing.assert_allclose([motor.start, motor.turn], [stow, np.pi / 3])
-    assert (aid.hinge, aid.torque, aid.curve) == (knee, 3.0, 0)
-    assert aid.no_load == pytest.approx(2 * np.pi / 3)
-    assert (bolt.hinge, bolt.watch, bolt.time, bolt.hold) == (knee, root, np.inf, 0.2)
-    assert (pin.hinge, pin.watch, pin.time, pin.damping) == (root, -1, 0.5, 1.0)
-    assert (bolt.level, pin.hold) == pytest.approx((np.pi / 4, np.radians(21.0)))
-
-
-def test_all_that_acts_on_slides_and_crosses_is_in_the_scene():
-    scene = loads(SLIDES).build()
-    names = [hinge.name for hinge in scene.hinges]
-    assert names == ["boom", "knuckle_axis", "knuckle_other", "root"]
-    assert [hinge.opening for hinge in scene.hinges] == pytest.approx([0.05, 0.0872665, 0, 0])
-    found = {kind: of[0] for kind, of in scene.kinds.items() if of}
-    for kind in (Damper, Friction, Stop, Latch, Motor, TorqueMotor, TableSpring):
-        assert found[kind].hinge == 0
-    assert [(s.hinge, s.stiffness, s.rest) for s in scene.springs] == [
-        (0, 40.0, 0.25), (2, 2.0, 0.0),
-        (1, 4.0, pytest.approx(0.0872665 - 0.25)), (3, 3.0, pytest.approx(1.5707963))
-    ]  # fmt: skip
-    assert found[Friction].bristle_deflection == 1e-4
-    assert (found[Release].hinge, found[Release].watch, found[Release].level) == (1, 0, 0.1)
-
-
-def test_what_has_no_stiffness_holds_exactly():
-    scene = loads(changed(HINGES, ("side: below, stiffness: 1e3", "side: below"))).build()
-    pin = Latch(0, np.pi / 2, capture_range=np.radians(1), side="below", name="pin")
-    assert scene.kinds[Latch][0] == pin
-    assert [latch.name for latch in scene.kinds[Latch] if not latch.is_exact] == ["lock"]
-    scene = loads(changed(HINGES, ("L*0.2 N", "L*0.2 N, sticks: exactly"))).build(L=2.0)
-    assert scene.kinds[Friction] == [Friction(0, 0.4, None)]
-    scene = loads(changed(MOTORS, ("stiffness: 100 N m/rad, watch", "watch"))).build()
-    (bolt,) = (e for e in Release.find(scene) if e.is_exact)
-    assert (scene.hinges[bolt.hinge].name, bolt.time) == ("knee", np.inf)
-    assert (bolt.level, bolt.held_at_start(scene)) == pytest.approx((np.pi / 4, 0.2))
-    rigid = changed(MOTORS, (", stiffness: 5, damping: 2 N m s/rad", ""))
-    scene = loads(rigid).build(stow=15.0)
-    (drive,) = Motor.find(scene)
-    assert scene.hinges[drive.hinge].name == "root"
-    assert [drive.target(scene, t) for t in (0.0, 1.0)] == pytest.approx(np.radians([15.0, 45.0]))
-
-
-def test_a_motor_may_prescribe_its_rate():
-    text = changed(SMALL, ("actions:", """curves:
-  speed: {times: [0, 1 s, 3 s, 4 s], values: [0, 1, 1, 0]}
-actions:
-  drive: {type: motor, joint: root, rate: 0.5 rad/s, curve: speed}"""))  # fmt: skip
-    scene = loads(text).build()
-    (motor,) = scene.kinds[Motor]
-    openings = {0.0: 0.0, 0.5: 0.0625, 1.0: 0.25, 3.0: 1.25, 4.0: 1.5, 9.0: 1.5}
-    for time, opening in openings.items():
-        assert motor.target(scene, time) == pytest.approx(opening, abs=1e-15)
-    for new, said in (("rate: 0.5 rad/s, turn: 1 rad, ", "not both"), ("", "or a `rate`")):
-        assert len(refused(text, "rate: 0.5 rad/s, ", new, said)) == 1
 
 
 def test_the_command_lists_what_acts_and_what_makes_the_step_longer():

@@ -20,25 +20,6 @@ record:"""
 TEXT = SMALL.replace("record:", CABLES).replace("points:", "points:\n  C: [0, 0, 2]")
 
 
-def test_cables_and_masses_are_in_the_scene():
-    found = loads(TEXT)
-    scene, bare = found.build(L=1.5, stow=0.0), loads(SMALL).build(L=1.5, stow=0.0)
-    assert found.cables == ("stay", "hoist")
-    assert {"kinetic", "cable", "reel", "balance"} <= set(found.energies)
-    stay, hoist = scene.cables
-    tip = scene.points["tip"].particle
-    assert [beam.particle for beam in stay.beams] == [tip, 0]
-    assert stay.stiffness == 2e4
-    assert stay.rest * (1 + 45 / 2e4) == pytest.approx(2.5, rel=1e-14)
-    np.testing.assert_allclose(stay.beams[1].arm, [0, 0, 2])
-    assert (hoist.rest, hoist.reel, hoist.curve, len(hoist.beams)) == (5.0, 0.1, 0, 3)
-    assert (stay.friction, hoist.friction) == (None, 0.1)
-    assert hoist.has_friction and not stay.has_friction
-    np.testing.assert_allclose((scene.mass - bare.mass)[tip], 2.0)
-    np.testing.assert_allclose((scene.inertia - bare.inertia)[tip], 0.5)
-    assert scene.mass.sum() == pytest.approx(bare.mass.sum() + 2.0)
-
-
 @pytest.mark.parametrize(
     ("old", "new", "problem"),
     [
@@ -141,18 +122,6 @@ repeat:
 cables:
   around: {through: [{each: post, through: [high, low]}, post.first.high], EA: 1 kN, preload: 1 N}
 """
-
-
-def test_a_cable_runs_through_the_same_points_of_every_unit():
-    for count in (3, 4):
-        scene = loads(RING).build(n=count)
-        (cable,) = scene.cables
-        tops = [3 * k + 2 for k in range(count)]
-        lows = [3 * k for k in range(count)]
-        expected = [p for pair in zip(tops, lows, strict=True) for p in pair]
-        assert [beam.particle for beam in cable.beams] == [*expected, tops[0]]
-        side = 4 * np.sin(np.pi / count)
-        assert cable.lengths(scene).sum() == pytest.approx(count * (1 + np.hypot(1, side)))
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from deployable.campaign.config.check import check_config
-from fpm.structures import StructureError, load
 from fpm.structures.curves_file import CurvesFile, CurvesFileError
 
 TIMES, ANGLES = [0.0, 0.5, 1.25], [0.5, -0.25, 1.125]
@@ -270,25 +269,3 @@ def test_a_record_that_runs_hardly_reach_is_questioned(tmp_path, times, fitting,
             f"values lasts from {times[0]:.12g} to {times[-1]:.12g} s: check the unit of its times"
         )
         assert [any(words in text for text in campaign.experiment.warnings)] == expected
-
-
-@pytest.mark.parametrize(
-    ("column", "content", "words"),
-    [
-        ("F", "t [s],F [N]\n0,1\n1,NaN\n", "{}, line 3: 'NaN' is not allowed; allowed: a finite"),
-        ("F", "t [s],F [Newton],x [m]\n0,1,1\n1,2,2\n", "{}, line 1: F: 'Newton' is not a unit"),
-        ("G", "t [s],F [N]\n0,1\n1,NaN\n", "'G' is not allowed; allowed: a column of the file, F"),
-    ],
-)
-def test_a_structure_says_what_is_wrong_with_its_column(tmp_path, column, content, words):
-    path = tmp_path / "push.csv"
-    path.write_text(content)
-    (tmp_path / "arm.yaml").write_text(
-        "points: {o: [0, 0, 0]}\nbodies: {arm: {mass: 1, centre: o, inertia: [1, 1, 1]}}\n"
-        f"curves: {{push: {{file: push.csv, column: {column}}}}}\n"
-        "loads: {push: {part: arm, at: o, force: [1 N, 0, 0], curve: push}}\n"
-    )
-    with pytest.raises(StructureError) as error:
-        load(tmp_path / "arm.yaml").build()
-    (problem,) = error.value.problems
-    assert f"curves.push.column: {words.format(path)}" in str(problem)

@@ -7,7 +7,6 @@ from scipy.integrate import solve_ivp
 import fpm
 from deployable.campaign.cli.new import CAMPAIGN, make_folder
 from deployable.campaign.config.check import load_config
-from deployable.campaign.config.sections import scene_type
 from fpm.structures import StructureError, load
 
 ARM = """
@@ -66,18 +65,6 @@ def test_the_same_numbers_in_the_structure_give_the_same_bits(file):
     values = f"times: {TIMES[:900].tolist()}, values: {TORQUES[:900].tolist()}"
     file.write_text(ARM.format(values))
     np.testing.assert_array_equal(motion(file), found)
-
-
-def test_an_edit_of_the_file_is_an_edit_of_the_structure(file):
-    first = scene_type("", str(file))
-    assert scene_type("", str(file)).digest == first.digest
-    write(file.parent, "t [s],torque [N m]", TIMES, 2 * TORQUES)
-    second = scene_type("", str(file))
-    assert second.digest != first.digest
-    for structure, factor in ((first, 1), (second, 2)):  # each keeps the numbers of its digest
-        for inertia in (0.01, 0.02):
-            (curve,) = structure.build(inertia=inertia).curves
-            np.testing.assert_array_equal(curve.values, factor * TORQUES)
 
 
 def test_a_column_may_be_called_as_it_is_typed_elsewhere(file):

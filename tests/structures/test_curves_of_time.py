@@ -86,30 +86,6 @@ def test_kinks_are_where_the_rate_jumps_and_nowhere_else():
     assert places[np.searchsorted(places, 0.29)] == pytest.approx(0.3, abs=1e-8)
 
 
-def test_a_smooth_table_passes_no_value_and_has_a_rate_that_is_continuous():
-    rng = np.random.default_rng(5)
-    for count in (1, 2, 3, 40):
-        times, values = np.cumsum(rng.uniform(0.01, 1.0, count)) - 1.0, rng.normal(size=count)
-        curve = Curve.smooth(times, values)
-        assert curve.value(times) == pytest.approx(values, abs=1e-14)
-        assert np.isinf(curve.kinks).all()
-        assert curve.extremes() == pytest.approx((values.min(), values.max()), abs=1e-12)
-        for k in range(count - 1):
-            piece = curve.value(np.linspace(times[k], times[k + 1], 50))
-            assert (np.diff(piece) * np.sign(values[k + 1] - values[k]) > -1e-14).all()
-
-
-SLIDER = """
-parameters: {{height: {{value: 0.3, unit: m}}, high: {{value: 1, description: share}}}}
-points: {{c: [0, 0, 0]}}
-bodies: {{ball: {{mass: 2, centre: c, inertia: [1, 1, 1]}}}}
-joints: {{rail: {{type: prismatic, parts: [ground, ball], at: c, axis: x}}}}
-curves: {{lift: {{{curve}}}}}
-actions: {{drive: {{type: motor, joint: rail, {motor}, curve: lift}}}}
-loads: {{none: {{part: ball, at: c, force: [0, height*high*(0 N/m), 0]}}}}
-"""
-
-
 PENDULUM = """
 gravity: {{acceleration: [0, 0, -9.81], curve: g}}
 points: {{O: [0, 0, 0], C: [0.1, 0, 0]}}
@@ -163,18 +139,6 @@ curves: {{f: {{{curve}}}}}
 record: {{c: {{part: ball, at: c}}}}
 {rest}
 """
-
-
-@pytest.mark.slow
-def test_a_free_body_moves_as_its_drive_says():
-    times, values = [0.1, 0.3, 0.5, 1.2], [0.0, 2.0, 1.0, -1.0]
-    drive = "drives: {go: {part: ball, at: c, velocity: [1, 0, 0], curve: f}}"
-    text = BALL.format(curve=f"times: {times}, values: {values}, smooth: true", rest=drive)
-    (outcome,) = simulate(loads(text).build(), duration=1.5, instants=31, step=1e-3)
-    curve = Curve.smooth(np.array(times), np.array(values))
-    assert outcome.points["c"][1][:, 0] == pytest.approx(curve.value(outcome.time), abs=1e-13)
-    exact = [curve.integral(t) for t in outcome.time]
-    assert outcome.points["c"][0][:, 0] == pytest.approx(exact, abs=1e-12)
 
 
 PULSED = """
@@ -287,19 +251,6 @@ def test_energy_that_passes_between_two_checks_counts_in_the_balance(actor):
     assert outcome.openings["rail"][-1] == pytest.approx(6e-4 * PASSING[actor], rel=5e-3)
 
 
-def test_a_jump_and_a_small_ripple_are_no_features_but_a_pulse_is():
-    jump = Curve.table(np.array([0.0, 1e-6]), np.array([1.0, 0.0]))
-    times = np.linspace(0, 10, 10001)
-    ripple = Curve.table(times, np.sin(times) + 1e-3 * (-1.0) ** np.arange(10001))
-    assert jump.find_feature(1.0) == np.inf
-    pulse = Curve.table(np.array([0.1, 0.100001, 0.103, 0.103001]), np.array([0.0, 1.0, 1.0, 0.0]))
-    assert pulse.find_feature(1.0) == pytest.approx(3e-3, rel=1e-3)
-    doublet = Curve.table(0.5012 + 1e-6 * np.arange(5.0), np.array([0.0, 1.0, 0.0, -1.0, 0.0]))
-    assert doublet.find_feature(1.0) == pytest.approx(1.5e-6, rel=0.1)
-    assert doublet.find_feature(100.0) == np.inf
-    assert ripple.find_feature(10.0) > 0.1
-
-
 def test_margins_and_the_step_count_curves_at_their_extremes_between_points():
     text = PENDULUM.format(action="torque motor, torque: 2 N m, no_load: 3 rad/s")
     scene = loads(text).build()
@@ -348,26 +299,3 @@ def test_what_is_refused_of_a_curve(curve, words):
 def test_what_is_refused_of_gravity_and_names(rest, words):
     with pytest.raises(StructureError, match=words):
         loads(BALL.format(curve="expression: u, over: [0, 1 s]", rest=rest))
-
-
-def test_vectors_in_an_expression_of_a_curve():
-    def text(expression):
-        load = "loads: {l: {part: ball, at: c, force: [1, 0, 0], curve: f}}"
-        return BALL.format(curve=f"expression: {expression}, over: [0, 1]", rest=load)
-
-    assert loads(text("u*norm(d)/(1 m)")).build().curves[0].value(0.5) == 1.0
-    for vector, words in (("d", "vector in m"), ("x", "vector without unit")):
-        with pytest.raises(StructureError, match=words):
-            loads(text(vector))
-
-
-@pytest.mark.slow
-def test_samples_whose_curves_differ_run_as_each_alone():
-    curve = "expression: high*u**2, over: [0, height*(1 s/m)]"
-    structure = loads(SLIDER.format(curve=curve, motor="travel: 1 m"))
-    scenes = [structure.build(height=h, high=k) for h, k in ((0.3, 1), (0.2, 2), (0.3, 1))]
-    outcomes = simulate(scenes, duration=0.4, instants=5, step=1e-3)
-    for scene, outcome in zip(scenes, outcomes, strict=True):
-        (alone,) = simulate(scene, duration=0.4, instants=5, step=1e-3)
-        assert (outcome.openings["rail"] == alone.openings["rail"]).all()
-    assert outcomes[1].openings["rail"][-1] == pytest.approx(2.0, abs=1e-12)

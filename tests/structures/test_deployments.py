@@ -1,7 +1,5 @@
 """The ring truss, the solar array and the telescope of the library: how they are made and open."""
 
-from itertools import pairwise
-
 import numpy as np
 import pytest
 from exact_motions import on_a_line, solar_array
@@ -9,7 +7,6 @@ from structures_for_tests import structure
 
 import fpm
 from evidence.verification.deployables import crossing
-from fpm.elements import Damper, Latch, SyncLoop
 
 
 def test_the_cable_has_the_length_of_the_diagonals():
@@ -65,22 +62,6 @@ def test_friction_opens_the_bays_at_the_winch_first(rings):
 @pytest.fixture(scope="module")
 def array():
     return structure("solar_array")
-
-
-def test_any_number_of_panels_is_joined_into_one_array(array):
-    for n in (2, 5):
-        scene = array.build(n=n)
-        assert len(scene.position) == n + 1
-        assert [hinge.opening for hinge in scene.hinges] == [0.0] * n
-        assert len(scene.springs) == len(Damper.find(scene)) == len(Latch.find(scene)) == n
-        hinges = [[scene.hinges[h].name for h in loop.hinges] for loop in SyncLoop.find(scene)]
-        between = [f"panel{i}.hinge" for i in range(1, n)]
-        pairs = [["root", between[0]], *map(list, pairwise(between))]
-        assert sorted(hinges) == sorted(pairs)
-        ratios = {loop.name: loop.radii[0] / loop.radii[1] for loop in SyncLoop.find(scene)}
-        assert ratios.pop("root_belt") == 2
-        assert set(ratios.values()) <= {1.0}
-        assert not scene.fixed.any()
 
 
 CASES = (

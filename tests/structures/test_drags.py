@@ -74,22 +74,6 @@ def test_the_stable_step_counts_the_speed_at_the_start():
     assert Drag.dampings(loads(changed(BODY, ("velocity: [3, 4, 0]", ""))).build()) is None
 
 
-@pytest.mark.slow
-def test_what_is_led_from_the_start_on_drags_from_the_start_on():
-    """In 0.1 s a point at v in the wind w gets F w for F v, also in the first of two steps."""
-    scene = fpm.Scene("led")
-    led = int(scene.add_particles((0, 0, 0), 1.0, 1.0)[0])
-    scene.drive(led, velocity=(3.0, 0, 0), spin=(0, 0, 2.0))
-    at_axis, off_axis = scene.arm_to(led), scene.arm_to(led, (0, 0.5, 0))
-    scene.add(Drag(at_axis, 0.36))
-    scene.add(Drag(off_axis, 0.1))
-    assert fpm.find_stable_step(scene).step == np.inf, "what is led does not limit the step"
-    (outcome,) = fpm.simulate(scene, duration=1e-6, instants=3, step=5e-7)
-    assert not outcome.failure, "what balances but for rounding, of no kinetic energy"
-    power = 0.36 * 3.0**3 + 0.1 * 2.0**3  # of the second 3 - 2 * 0.5 = 2 m/s
-    assert outcome.energies["damping_work"][-1] == pytest.approx(power * 1e-6, rel=1e-5)
-
-
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [("area: 0.5 m2", "area: -0.5 m2", "is not allowed; allowed: a value in m2 of at least 0"),

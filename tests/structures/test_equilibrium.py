@@ -2,15 +2,13 @@
 
 import numpy as np
 import pytest
-from scipy.optimize import brentq, root
+from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 from structures_for_tests import changed, problems_of, refused
 
 import fpm
-from fpm.solver.start import consistent_scene
 from fpm.structures import loads
 from fpm.structures.describe import describe
-from fpm.structures.report import kinetic_energy
 from fpm.travel import sweep
 
 G = 9.81
@@ -49,11 +47,6 @@ bodies: {load: {mass: 3 kg, centre: P, box: [0.1, 0.1, 0.1]}}
 joints: {rail: {type: prismatic, parts: [ground, load], at: P, axis: -z}}
 curves: {part: {times: [-1, 1, 9], values: [0, 0.5, 7]}}
 """
-
-
-def tip(scene) -> np.ndarray:
-    beam = next(iter(scene.points.values()))
-    return scene.position[beam.particle] + scene.frame[beam.particle] @ beam.arm
 
 
 @pytest.mark.parametrize(
@@ -109,34 +102,6 @@ def test_a_slide_rests_where_its_forces_are_in_balance(kind):
     expected = brentq(force, -0.5, 1.5, xtol=1e-13)
     assert scene.hinges[0].opening == pytest.approx(expected, abs=1e-10)
     assert scene.equilibrium.imbalance < 1e-9
-
-
-def test_a_chain_hangs_as_its_horizontal_force_has_it():
-    """Of n rods of weight w, rod i has the slope (n - 1 - 2 i) w/(2 H), H the horizontal force."""
-    n, length, span = 6, 0.2, 1.0
-    slope = lambda h: np.arctan((n - 1 - 2 * np.arange(n)) * G / (2 * h))  # noqa: E731
-    h = brentq(lambda h: length * np.cos(slope(h)).sum() - span, 1e-2, 1e3, xtol=1e-13)
-    rise = np.sqrt(length**2 - (span / n) ** 2)
-    text = "start: equilibrium\ngravity: [0, 0, -9.81]\npoints:\n"
-    for i in range(n + 1):  # a zigzag at first
-        text += f"  p{i}: [{i * span / n}, 0, {i % 2 * rise}]\n"
-    for i in range(n):
-        text += f"  c{i}: [{(i + 0.5) * span / n}, 0, {rise / 2}]\n"
-    text += "bodies:\n"
-    for i in range(n):
-        text += f"  b{i}: {{mass: 1, centre: c{i}, inertia: [1e-4, 1e-3, 1e-3], "
-        text += f"points: [p{i}, p{i + 1}]}}\n"
-    parts = ["ground", *(f"b{i}" for i in range(n)), "ground"]
-    text += "joints:\n"
-    for i in range(n + 1):
-        text += f"  j{i}: {{type: spherical, parts: [{parts[i]}, {parts[i + 1]}], at: p{i}}}\n"
-    text += "record:\n" + "".join(f"  p{i}: {{part: b{i}, at: p{i}}}\n" for i in range(n))
-    scene = loads(text).build()
-    places = [
-        scene.position[b.particle] + scene.frame[b.particle] @ b.arm for b in scene.points.values()
-    ]
-    steps = length * np.array([np.cos(slope(h)), 0 * slope(h), -np.sin(slope(h))]).T
-    assert np.diff(places, axis=0) == pytest.approx(steps[:-1], abs=1e-9)
 
 
 def chain(seed: int) -> tuple[str, list]:
@@ -263,22 +228,6 @@ record: {b: {part: b, at: b}}
     refused(text, "start: equilibrium", "", "or `start: equilibrium`")
 
 
-def test_both_angles_of_a_universal_joint_minimise_the_potential():
-    text = changed(ARM, ("type: revolute", "type: universal"), ("axis: y", "axis: y, other: z"))
-    text += """actions:
-  k: {type: torsion spring, joint: pin_axis, stiffness: 12 N m/rad, rest: -20 deg}
-  l: {type: torsion spring, joint: pin_other, stiffness: 5 N m/rad, rest: 40 deg}
-"""
-
-    def moments(x):  # of the weight, at -sin(x0) cos(x1) of the arm's length, and of both springs
-        weight = 2 * G * 0.5
-        first = -weight * np.cos(x[0]) * np.cos(x[1]) + 12 * (x[0] + np.radians(20))
-        return [first, weight * np.sin(x[0]) * np.sin(x[1]) + 5 * (x[1] - np.radians(40))]
-
-    found = [hinge.opening for hinge in loads(text).build().hinges]
-    assert found == pytest.approx(root(moments, [0.3, 0.4], tol=1e-14).x, abs=1e-10)
-
-
 @pytest.mark.parametrize(("turn", "backlash"), [(0.0, 0.0), (0.1, 0.2), (0.6, 0.3)])
 def test_weight_by_a_curve_and_drive_trains_with_backlash_are_as_at_the_start(turn, backlash):
     """Half the weight at t = 0, against a drive train at half its turn: on the far side of it."""
@@ -294,23 +243,6 @@ def test_weight_by_a_curve_and_drive_trains_with_backlash_are_as_at_the_start(tu
     assert found == pytest.approx(brentq(moment, 0, 2), abs=1e-9)
 
 
-def test_motors_hold_and_rates_and_velocities_begin_where_it_hangs():
-    spring = "actions: {k: {type: torsion spring, joint: pin, stiffness: 20 N m/rad}}\n"
-    inertia = 2 * (1 + 0.06**2) / 12 + 2 * 0.25
-    for motion in (
-        "opening_rates: {pin: {joint: pin, rate: 2 rad/s}}",
-        "initial_velocities: {arm: {part: arm, about: P, spin: [0, 2, 0]}}",
-        "initial_velocities: {arm: {part: arm, about: c, spin: [0, 2, 0], velocity: "
-        f"[{-np.sin(0.4431255284927046)}, 0, {-np.cos(0.4431255284927046)}]}}}}",
-    ):
-        scene = consistent_scene(loads(ARM + spring + motion).build())
-        energy = kinetic_energy(scene, scene.velocity, scene.spin)
-        assert energy == pytest.approx(inertia * 2**2 / 2, rel=1e-9)
-    motor = "curves: {c: {times: [0, 1], values: [0, 1]}}\n"
-    motor += "actions: {m: {type: motor, joint: pin, turn: 2 rad, curve: c}}"
-    assert loads(ARM + motor).build().hinges[0].opening == 0
-
-
 def test_what_is_stressed_alone_in_space_comes_to_rest_about_its_centre_of_mass():
     text = """
 start: equilibrium
@@ -320,14 +252,6 @@ struts: {s: {between: [P, Q], type: spring, stiffness: 500 N/m, rest: 1.4 m}}
 """
     places = loads(text).build().position
     assert places == pytest.approx(np.array([[-0.3, 0, 0], [1.1, 0, 0]]), abs=1e-12)
-
-
-def test_parts_that_are_forced_together_go_on_to_equilibrium():
-    """A slide 20 mm too far on from its spring's rest, from where its weight takes it."""
-    text = changed(SLIDE, ("points: {", "assemble: true\npoints: {O: [0, 0, -20 mm], "),
-                   ("at: P, axis", "at: {ground: O, load: P}, axis"))  # fmt: skip
-    scene = loads(text + "actions: {s: {type: spring, joint: rail, stiffness: 400 N/m}}").build()
-    assert scene.hinges[0].opening == pytest.approx(WEIGHT / 400, abs=1e-12)
 
 
 def test_a_margin_begins_where_a_pendant_hangs():
@@ -371,28 +295,3 @@ def test_what_is_in_balance_stays_there(text):
     rate = 1e-8 * G * 0.02
     assert outcome.energies["kinetic"].max() <= scene.mass[1:].sum() * rate**2 / 2
     assert np.ptp(outcome.energies["strain"]) <= 1e-12 * (1 + outcome.energies["strain"][0])
-
-
-def test_bodies_come_to_rest_on_stiff_stops_far_away():
-    """Each leans into its stop by its force over the stiffness, less than forces are shifted by to
-    find their slopes; the steps towards it are as long as on a soft stop."""
-    scene = loads("""
-name: leaning
-start: equilibrium
-gravity: [0, 0, -9.81]
-points: {o: [0, 0, 0], c: "rotate([0.5, 0, 0], -y, 60 deg)", q: [0, 3, 0.7]}
-bodies:
-  arm: {mass: 3, centre: c, points: [o], inertia: [0.01, 0.1, 0.1]}
-  load: {mass: 5, centre: q, inertia: [0.1, 0.1, 0.1]}
-joints:
-  h: {type: revolute, parts: [ground, arm], at: o, axis: -y, opening: 60 deg}
-  g: {type: prismatic, parts: [ground, load], at: q, axis: z, opening: 0.7 m}
-actions:
-  rest: {type: stop, joint: h, lower: 10 deg, stiffness: 1e9 N m/rad}
-  floor: {type: stop, joint: g, lower: -0.2 m, stiffness: 1e10 N/m}
-record: {c: {part: arm, at: c}}
-""").build()
-    arm, load = (hinge.opening for hinge in scene.hinges)
-    lean = 3 * G * 0.5 * np.cos(np.radians(10)) / 1e9
-    assert np.radians(10) - arm == pytest.approx(lean, rel=1e-6)
-    assert -0.2 - load == pytest.approx(5 * G / 1e10, rel=1e-6)

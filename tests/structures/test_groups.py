@@ -146,14 +146,6 @@ record:
 """
 
 
-@pytest.mark.parametrize("name", ["heavy", "extra", "k", "x", "mu", "more", "lower"])
-def test_what_others_add_to_or_change_is_built_anew(name):
-    """A mass moves the centre of its body, on which joints and loads depend; bearings add up."""
-    structure = structures.loads(FILE)
-    samples = [{name: value} for value in (0.5, 0.6, 1.0, 0.75)]
-    assert contents(structure.build_all(samples)) == contents(built(structure, samples))
-
-
 def test_a_sample_that_is_refused_is_refused_as_alone():
     structure = structures.loads(FILE)
     samples = [{"x": value} for value in (1.0, 0.5, -1.0, 0.7)]

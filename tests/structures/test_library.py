@@ -1,19 +1,15 @@
 """Structures from text do what closed forms, and the same structures in Python, do."""
 
-import math
-
 import numpy as np
 import pytest
-from exact_motions import zfold
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from structures_for_tests import FOLDER, SMALL, changed, structure
 
 import fpm
-from evidence.verification.deployables import crossing, scissor
+from evidence.verification.deployables import scissor
 from fpm.elements.particles.drive import Drive
-from fpm.structures import StructureError, load, loads, report
-from fpm.structures.describe import describe
+from fpm.structures import StructureError, load, loads
 from fpm.structures.plausible import warnings
 
 
@@ -42,59 +38,9 @@ def test_every_structure_of_the_library_is_a_scene_type(path):
         assert found.mesh is None
 
 
-@pytest.mark.parametrize(("values", "share"), [({"elements": 2}, 1), ({"elements": 4}, 1),
-                                               ({"k": 0.2}, np.sqrt(0.5))])  # fmt: skip
-def test_a_panel_opens_in_the_time_of_the_closed_form(values, share):
-    turning = 1 / 3 + 0.1**2 / 12  # kg m², of length and of thickness; without, 1.911912403 s
-    outcome = run(structure("panel").build(**values), 2.5, 2501)
-    time, _ = crossing(outcome.time, outcome.openings["hinge"], np.pi / 2)
-    assert time == pytest.approx(share * np.sqrt(turning / 0.1) * np.pi / 3, rel=1e-7)
-
-
-def test_two_panels_move_as_the_rigid_ones_do():
-    outcome = run(structure("zfold").build(), 4.0, 401)
-    exact = zfold(0.1, np.radians(5), 0.1 / np.sqrt(12), outcome.time)
-    np.testing.assert_allclose(outcome.openings["root"], exact[:, 0], atol=5e-6)
-    np.testing.assert_allclose(outcome.openings["knee"], exact[:, 0] - exact[:, 1], atol=1e-5)
-    tip = np.stack([np.cos(exact).sum(axis=1), np.sin(exact).sum(axis=1)], axis=1)
-    np.testing.assert_allclose(outcome.points["tip"][0][:, :2], tip, atol=1e-5)
-
-
 def test_the_exact_scissor_has_the_published_times():
     assert scissor(1)[0] == pytest.approx(0.449682123, abs=1e-9)
     assert scissor(3) == pytest.approx((1.302061615, 2.177764658), abs=1e-9)
-
-
-@pytest.mark.parametrize(
-    ("name", "values", "found"),
-    [
-        ("panel", {}, (1, 5, 0, 1)),
-        ("zfold", {}, (2, 10, 0, 2)),
-        # y, z, about x, about the line of both supports, and its opening; flat loops are redundant
-        ("scissor", {"n": 1}, (2, 7, 0, 5)),
-        ("scissor", {"n": 3}, (6, 37, 6, 5)),
-        # a spatial four-bar has no mobility by count, Bennett's has one; it slides in a plane
-        ("bennett", {}, (4, 22, 3, 5)),
-    ],
-)
-def test_mobility_and_redundancy(name, values, found):
-    assert tuple(report.mobility(structure(name).build(**values))) == found
-
-
-def test_mobility_of_the_linkage_does_not_depend_on_where_it_stands():
-    linkage = structure("bennett")
-    for start in (3.0, 40.0, 90.0):
-        assert report.mobility(linkage.build(start=start)).degrees == 5
-
-
-def test_masses_and_cost():
-    scene = structure("zfold").build(mass=3.0, fold=0.0)
-    assert report.mass(scene) == pytest.approx(6.0)
-    np.testing.assert_allclose(report.centre(scene), [0.5, 0, 0], atol=1e-15)
-    limit = fpm.find_stable_step(structure("zfold").build())
-    text, steps = describe(structure("zfold"), 2.0), math.ceil(2.0 / (0.9 * limit.step))
-    assert f"{limit.step:.4g} s, set by {limit.element}" in text
-    assert f" {steps} steps for 2 s" in text
 
 
 # -- parts of the language ------------------------------------------------------------------------
@@ -128,31 +74,6 @@ def test_a_straight_bar_through_a_point_moves_as_without_it():
     np.testing.assert_allclose(*tips, atol=2e-5)
 
 
-def test_a_ring_s_last_unit_meets_the_first():
-    ring = """
-parameters: {n: {value: 5, whole: true}, R: {value: 2, unit: m}}
-materials: {steel: {E: 210 GPa, rho: 7850}}
-sections: {rod: {type: circle, diameter: 20 mm}}
-repeat:
-  side:
-    count: n
-    arrangement: ring
-    index: i
-    points:
-      P: [R*cos(2*pi*i/n), R*sin(2*pi*i/n), 0]
-      Q: [R*cos(2*pi*(i + 1)/n), R*sin(2*pi*(i + 1)/n), 0]
-    bars: {bar: {through: [P, Q], section: rod, material: steel, elements: 2}}
-    joints:
-      pin: {type: revolute, parts: [bar, next.bar], at: {bar: Q, next.bar: next.P}, axis: z}
-"""
-    for count in (3, 5):
-        scene = loads(ring).build(n=count)
-        assert [h.name for h in scene.hinges] == [f"side{i + 1}.pin" for i in range(count)]
-        assert scene.hinges[-1].particles == (3 * count - 1, 0)
-        # A ring of n bars in a plane: n - 3 shapes, and it moves as one body.
-        assert report.mobility(scene).degrees == 6 + count - 3
-
-
 def test_loads_drives_supports_curves_and_motions():
     more = """
 curves:
@@ -182,15 +103,6 @@ record:"""
     particles, _, spins = Drive.motion(loads(SMALL.split("joints:")[0] + driven).build(), 0.0)
     np.testing.assert_array_equal(particles, [0])
     np.testing.assert_array_equal(spins, [[0, 1, 0]])
-
-
-def test_names_that_only_some_counts_have_are_refused_for_the_others():
-    third = ("bay.last.rising, at: bay.last", "bay3.rising, at: bay3")
-    mast = loads(changed((FOLDER / "scissor.yaml").read_text(), third))
-    assert mast.build(n=4).points["end"].particle == mast.build(n=3).points["end"].particle
-    for _ in range(2):
-        with pytest.raises(fpm.SceneError, match=r"no part 'bay3.rising'"):
-            mast.build(n=2)
 
 
 @given(st.data())

@@ -2,38 +2,11 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
-from scipy.spatial.transform import Rotation
 from structures_for_tests import changed, refused
 
 import fpm
-from fpm.arithmetic.expressions import parse
 from fpm.structures import loads
 from fpm.structures.plausible import warnings
-
-NUMBERS = st.floats(-1e6, 1e6).filter(lambda x: x == 0 or abs(x) > 1e-6)
-VECTORS = st.tuples(NUMBERS, NUMBERS, NUMBERS).map(np.array)
-AXES = VECTORS.filter(lambda vector: np.linalg.norm(vector) > 1e-3)
-
-
-@given(VECTORS, AXES, st.floats(-20, 20))
-def test_functions_of_vectors_are_those_of_other_libraries(a, b, angle):
-    size = np.linalg.norm(a)
-    for text, exact, scale in (
-        ("a + 0.3*(b - a)/2 - -b", a + 0.3 * (b - a) / 2 + b, size + np.linalg.norm(b)),
-        ("cross(a, b)", np.cross(a, b), size * np.linalg.norm(b)),
-        ("dot(a, b)", a @ b, size * np.linalg.norm(b)),
-        ("norm(a)", size, size),
-        ("unit(b)", b / np.linalg.norm(b), 1.0),
-        # A rotation vector is rounded in proportion to its angle.
-        ("rotate(a, b, angle)", Rotation.from_rotvec(angle * b / np.linalg.norm(b)).apply(a),
-         size * max(1.0, abs(angle))),
-        ("[dot(a, [1, 0, 0]), a_y, a_z]", a, 0.0),
-    ):  # fmt: skip
-        value = parse(text).value({"a": a, "b": b, "angle": angle, "a_y": a[1], "a_z": a[2]})
-        np.testing.assert_allclose(value, exact, rtol=0, atol=4e-15 * scale)
-
 
 TEXT = """
 parameters:
@@ -174,30 +147,6 @@ def test_a_tube_is_a_rod_less_a_rod_and_a_rod_is_the_closed_form():
     for words in ("box: [0.5, 0, 0]", "inertia: [0, 2/48, 2/48]"):
         same = body(f"mass: 2, centre: A, {words}, x: B - A, up: y")
         assert same[2] == pytest.approx(line, rel=1e-12)
-
-
-@pytest.mark.parametrize("turn", ["0 deg", "130 deg"])
-def test_plates_are_what_a_fine_grid_of_them_is(turn):
-    """A trapezium, in any frame, and the box that a rectangle with a thickness is."""
-    axis, angle = np.array([1, 2, -2]) / 3, float(turn.split()[0])
-    turned = Rotation.from_rotvec(np.radians(angle) * axis).as_matrix()
-    places = {"A": "0, 0, 0", "C": "1 m, 0, 0", "D": "0.4 m, 0.5 m, 0", "E": "0, 0.5 m, 0"}
-    points = {n: f'"rotate([{p}], [1, 2, -2], {turn})"' for n, p in places.items()}
-    text = SHAPE.replace(SHAPE.splitlines()[1], f"points: {points}".replace("'", ""))
-    _, place, tensor = body("type: plate, corners: [A, C, D, E], mass: 3", text)
-    y = (np.arange(4000) + 0.5) / 8000
-    width = 1 - 1.2 * y
-    weight = 3 * width / width.sum()
-    centre = np.array([weight @ width / 2, weight @ y, 0]) / 3
-    xx, yy = weight @ (width**2 / 3) - 3 * centre[0] ** 2, weight @ y**2 - 3 * centre[1] ** 2
-    xy = weight @ (y * width / 2) - 3 * centre[0] * centre[1]
-    exact = np.array([[yy, -xy, 0], [-xy, xx, 0], [0, 0, xx + yy]])
-    assert place == pytest.approx(turned @ centre, abs=1e-7)
-    assert tensor == pytest.approx(turned @ exact @ turned.T, abs=1e-6)
-    plate = "type: plate, corners: [A, C, D, E], density: 100, thickness: 0.2"
-    box = "mass: 10, centre: A, box: [1, 0.5, 0.2]"
-    assert body(plate)[2] == pytest.approx(body(box)[2])
-    assert body(plate)[1] == pytest.approx([0.5, 0.25, 0])
 
 
 SHAPE_REFUSALS = (

@@ -3,8 +3,6 @@
 import pytest
 from structures_for_tests import problems_of
 
-from fpm.structures import loads
-
 TEXT = """
 points: {{o: [0, 0, 0], c: [0.1, 0, 0]}}
 bodies: {{b: {{mass: 1, centre: c, points: [o], box: [10 cm, 20 cm, 5 cm]}}}}
@@ -12,20 +10,6 @@ joints: {{j: {{type: {}, parts: [ground, b], at: o, axis: z}}}}
 actions: {{k: {{type: {}}}}}
 """
 SPRING = "torsion spring, stiffness: 1, joint: "
-
-
-def test_openings_have_the_names_and_starts_that_are_stated():
-    stated = {
-        "cylindrical, opening_slide: 2 mm": {"j_turn": 0.0, "j_slide": 0.002},
-        "planar, x: x, opening_y: 3 m, opening_turn: 7 rad": {"j_turn": 7.0, "j_x": 0, "j_y": 3.0},
-        "pin in slot, x: [0, 2, 0], opening_slide: -1": {"j_turn": 0.0, "j_slide": -1.0},
-    }
-    for joint, openings in stated.items():
-        scene = loads(TEXT.format(joint, SPRING + "j_turn")).build()
-        assert {hinge.name: hinge.opening for hinge in scene.hinges} == pytest.approx(openings)
-        assert {hinge.joint for hinge in scene.hinges} == {"j"}
-    (hinge,) = loads(TEXT.format("screw, pitch: -3 mm", SPRING + "j")).build().hinges
-    assert hinge.lead == pytest.approx(-0.003 / 6.283185307179586)
 
 
 @pytest.mark.parametrize(

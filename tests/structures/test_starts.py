@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from scipy.optimize import brentq
 
 import fpm
 from evidence.verification.rigid_motors import rocker
@@ -88,18 +87,6 @@ def test_a_motor_beside_a_latch_on_its_joint_turns_it_from_the_start():
     scenes = [consistent_scene(loads(text).build()) for text in (RSSR, latched)]
     assert scenes[0].spin.any()
     np.testing.assert_array_equal(scenes[1].spin, scenes[0].spin)
-
-
-def test_a_motion_that_does_not_fit_is_that_after_the_blow():
-    """A rod on a pin that is stated to move along turns by L/J of its momentum about the pin."""
-    scene = fpm.Scene()
-    ground, rod = (int(p) for p in scene.add_particles([(0, 0, 0), (0.5, 0, 0)], 1.0, [1 / 12] * 3))
-    scene.fix(ground)
-    scene.add_hinge("pin", (ground, rod), (0, 0, 0), (0, 0, 1))
-    scene.velocity[rod] = [2.0, 1.0, 0.0]
-    begun = consistent_scene(scene)
-    np.testing.assert_allclose(begun.spin[rod], [0, 0, 0.5 * 3], atol=1e-12)
-    np.testing.assert_allclose(begun.velocity[rod], [0, 0.75, 0], atol=1e-12)
 
 
 SPUN = """
@@ -376,29 +363,3 @@ def test_what_stops_a_joint_in_the_first_steps_takes_all_of_its_energy(action, m
         response = parse("e", words, scene)
         assert response.least == 0.0 <= response.evaluate(outcome).min()
     assert parse("e", {"energy": "balance"}, scene).least is None
-
-
-@pytest.mark.slow
-def test_the_impact_of_a_latch_converges_with_the_square_of_the_step():
-    """A wheel against a damper and a spring: J w, w by the damped oscillation up to the latch."""
-    text = (
-        WHEELS[: WHEELS.index("  g:")].replace("  wheel: ", "  #")
-        + """
-actions:
-  drag: {type: damper, joint: h, damping: 0.04}
-  coil: {type: torsion spring, joint: h, stiffness: 2 N m/rad, rest: 1 rad}
-  stop: {type: latch, joint: h, angle: 0.5 rad}
-record: {o: {part: hub, at: o}}
-"""
-    )
-    decay, rate = 1.0, np.sqrt(2 / 0.02 - 1)  # about the rest, exp(-t) (cos + sin/rate)
-    angle = lambda t: 1 - np.exp(-decay * t) * (np.cos(rate * t) + np.sin(rate * t) / rate)  # noqa: E731
-    at = brentq(lambda t: angle(t) - 0.5, 0.0, 0.2)
-    exact = 0.02 * np.exp(-decay * at) * np.sin(rate * at) * 100 / rate
-    errors = []
-    for step in (4e-3, 2e-3, 1e-3, 1e-4):
-        (outcome,) = fpm.simulate(loads(text).build(), duration=0.4, instants=11, step=step)
-        response = parse("impact", {"latch_impact": "stop"}, outcome.scene)
-        assert response.least == 0
-        errors.append(abs(response.evaluate(outcome)[-1] - exact))
-    assert errors[0] < 2e-3 * exact and errors[1] < 5e-4 * exact and errors[3] < 1e-6 * exact

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 import yaml
-from structures_for_tests import content, problems_of
+from structures_for_tests import problems_of
 
-from fpm.structures import load, loads
+from fpm.structures import loads
 
 PAGE = (Path(__file__).parents[2] / "docs" / "structures.md").read_text()
 BLOCKS = re.findall(r"^```(\w*)\n(.*?)^```", PAGE, re.M | re.S)
@@ -46,19 +46,6 @@ def test_the_first_example_in_python_runs(monkeypatch):
     space: dict = {}
     exec(PYTHON[0], space)
     assert space["scene"].springs[0].stiffness == 0.2
-
-
-def test_the_first_structure_is_the_same_in_python(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    exec(PYTHON[1], space := {})
-    for stow in (10, 45):
-        scene, expected = (
-            load("flap.yaml").build(k=0.2, stow=stow),
-            loads(YAML[0]).build(k=0.2, stow=stow),
-        )
-        assert content(scene) == content(expected)
-    assert content(space["scene"]) != content(scene)
-    assert space["flap"].scene_type.digest == load("flap.yaml").digest
 
 
 def test_the_messages_of_the_page_are_those_of_the_program():

@@ -92,22 +92,3 @@ def test_a_latch_catches_a_joint_that_turns_back_within_a_step(case, stiffness):
             loss = motion[0] ** 2 / 2 + motion[1] * place
             assert outcome.energies["joint_loss"][-1] == pytest.approx(loss, abs=1e-9)
             assert np.abs(outcome.energies["balance"]).max() < 1e-9
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("step", [0.025, 0.0005])
-def test_latches_that_catch_one_after_the_other_take_their_own_impulses(step):
-    """Two carts of 1 kg: the second latches on the first, then both on the ground; closed form."""
-    text = cart(0.2, 0, 0, "position: 4e-4")
-    text = text.replace("\njoints", ", b: {mass: 1, centre: o, inertia: [1, 1, 1]}}\njoints")
-    text = text.replace("1]}}, b", "1]}, b")
-    second = "g: {type: prismatic, parts: [cart, b], at: o, axis: x}}\nloads"
-    text = text.replace("axis: x}}\nloads", f"axis: x}}, {second}")
-    text = text.replace("m/s}}", "m/s}, s: {joint: g, rate: 0.3 m/s}}")
-    text = text.replace("record", "  top: {type: latch, joint: g, position: 1e-4}\nrecord")
-    (outcome,) = fpm.simulate(loads(text).build(), duration=40 * step, instants=41, step=step)
-    for name, impulse in {"pin": -0.7, "top": -0.15}.items():
-        words = {"latch_impact": name, "component": "signed"}
-        found = parse("p", words, outcome.scene).evaluate(outcome)
-        assert found[found != 0] == pytest.approx(impulse, abs=1e-9)
-    assert outcome.energies["joint_loss"][-1] == pytest.approx(0.145, abs=1e-9)

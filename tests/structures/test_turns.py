@@ -42,22 +42,3 @@ def test_extremes_come_first_and_are_exact():
     structure = structures.loads(TEXT.format(TABLE))
     first, *_ = structure.find_turns({"T": 20.0, "w": 2.0, "drop": 1.0}, "T", -100.0, 100.0)
     assert first == pytest.approx(40.0, abs=1e-6)
-
-
-@pytest.mark.parametrize(
-    ("text", "knots"),
-    [
-        ("interpolate(T, -100, 0, 33.1, 0, 33.3, 1, 33.5, 0, 100, 0)*w", [33.3, 33.1, 33.5]),
-        ("interpolate(T, 33.3, 0, 33.30001, 1, 33.30002, 0)", [33.30001, 33.3, 33.30002]),
-        ("interpolate(T*T, 0, 0, 1e-8, 1, 4, 0) + T/100", [0, -1e-4, 1e-4, -2, 2]),
-        ("max(0, min(T - 33.3, 33.4 - T))", [33.35, 33.3, 33.4]),
-        ("max(0, 1 - abs(T - 33.3)/1e-3)", [33.3, 33.299, 33.301]),
-    ],
-)
-def test_knots_that_are_close_together_are_exact(text, knots):
-    """Also of a needle between two values of a grid over the interval."""
-    structure = structures.loads(TEXT.format(text))
-    found = structure.find_turns({"T": 20.0, "w": 2.0, "drop": 1.0}, "T", -100.0, 100.0)
-    for knot in knots:
-        assert min(abs(x - knot) for x in found) < 2e-7, found
-    assert min(abs(x - knots[0]) for x in found[: len(found) // 2 + 1]) < 2e-7

@@ -1,28 +1,19 @@
-"""A structure as plain numbers, for Exudyn, which builds it in an interpreter of its own."""
-
-from collections.abc import Sequence
+"""The linkage as plain numbers, for Exudyn, which builds it in an interpreter of its own."""
 
 import numpy as np
 
 import fpm
-from fpm.elements import Damper, Hinge, TorsionSpring
-
-KINDS = {"Gravity", "Damping", "Beams", "Hinge", "TorsionSpring", "Damper"}
-"""Kinds of element that are described to a peer."""
+from fpm.elements import Hinge, TorsionSpring
 
 
-def describe(scene: fpm.Scene, ignore: Sequence[str] = ()) -> dict:
-    """A scene of beams and rigid bodies with hinges between them, ready for JSON.
+def describe(scene: fpm.Scene) -> dict:
+    """A scene of beams at rest with hinges and springs between them, ready for JSON; without its
+    contacts.
 
-    nodes: position (n, 3) m, frame (n, 3, 3), the element's or body's axes as columns, velocity and
-    spin (n, 3), and what is held (n, 6); bodies: node, mass, principal inertias; elements: nodes,
+    nodes: position (n, 3) m, frame (n, 3, 3), the element's axes as columns; elements: nodes,
     length (m) and section rigidities; hinges: the two nodes, arms (m) and frames (3, 3) in each
     node's own axes whose third column is the hinge axis, the axes of the point that are held, and
-    spring and damper with the opening at the start (rad); points: node and arm. ignore: names of
-    kinds that are left out, since they do not act; ValueError for others that cannot be told."""
-    unknown = {kind.__name__ for kind, group in scene.kinds.items() if group} - KINDS - set(ignore)
-    if unknown or scene.damping:
-        raise ValueError(f"peers cannot be told of {sorted(unknown) or 'damping'}")
+    the spring with the opening at the start (rad); points: node and arm."""
     elements = []
     for beams in scene.beams:
         s, m = beams.section, beams.material
@@ -38,20 +29,9 @@ def describe(scene: fpm.Scene, ignore: Sequence[str] = ()) -> dict:
                     "inertia": [m.rho * (s.Iy + s.Iz), m.rho * s.Iy, m.rho * s.Iz],
                 }
             )
-    beam_nodes = {node for element in elements for node in element["nodes"]}
-    bodies = [
-        {"node": n, "mass": float(scene.mass[n]), "inertia": scene.inertia[n].tolist()}
-        for n in range(len(scene.position))
-        if n not in beam_nodes and not scene.fixed[n].all()
-    ]
     return {
         "position": scene.position.tolist(),
         "frame": scene.frame.tolist(),
-        "velocity": scene.velocity.tolist(),
-        "spin": scene.spin.tolist(),
-        "fixed": scene.fixed.tolist(),
-        "gravity": scene.gravity.tolist(),
-        "bodies": bodies,
         "elements": elements,
         "hinges": [_hinge(scene, index, hinge) for index, hinge in enumerate(scene.hinges)],
         "points": {
@@ -79,6 +59,5 @@ def _hinge(scene: fpm.Scene, index: int, hinge: Hinge) -> dict:
         "opening": hinge.opening,
         "stiffness": stiffness,
         "rest": moment / stiffness if stiffness else 0.0,
-        "damping": sum(damper.damping for damper in Damper.find(scene) if damper.hinge == index),
         "support": hinge.support,
     }

@@ -55,13 +55,20 @@ def rows_of(facts: Mapping[str, Any], experiment: Any, standard: str) -> list[di
     """Make all rows of the review sheet of a standard: dicts of texts with the keys `HEADS`,
     `state` (the verdict as one of `STATES`) and `of` (the quantity). facts: with `mechanism`."""
     sheet = _Sheet(facts, experiment, standard)
-    rows = [row for clause in CLAUSES[standard] for row in sheet.rows(*clause)]
-    return rows + sheet.list_other_rows()
+    rows = [
+        {"clause": number, "asks": asks} | row
+        for number, asks, topic in CLAUSES[standard] for row in sheet.answer(topic) or [_row("")]
+    ]  # fmt: skip
+    for row in facts["quantities"]:  # which answer no clause
+        if row["name"] not in sheet.row_names:
+            margin = sheet.margins.get(row["name"])
+            asks = "a margin of at least 0 over the full range of travel"
+            names = {"clause": STANDARDS[margin["standard"]].title, "asks": asks} if margin else {}
+            rows += [names | other for other in sheet.quantity_rows(row, "margin" * bool(margin))]
+    return rows
 
 
-def head_of(
-    facts: Mapping[str, Any], rows: Sequence[Mapping[str, str]], standard: str
-) -> list[str]:
+def head_of(facts: Mapping[str, Any], rows: Sequence[Mapping], standard: str) -> list[str]:
     """Write the paragraphs above a review sheet: how many rows have which verdict, the box of
     parameters, and how to read the numbers."""
     arguments = facts, rows, STATES, edition_of(standard)
@@ -122,7 +129,7 @@ class _Sheet:
         self._numbers = {number.name: number for number in experiment.quantity_list}
         self._tolerance = experiment.solver.energy_tolerance
         self._mechanism = facts["mechanism"]
-        self._margins = self._mechanism["margins"]
+        self.margins = self._mechanism["margins"]
         self._quantities = {row["name"]: row for row in facts["quantities"]}
         self._limits: dict[str, list] = {}  # of each quantity: requirements and their limits
         for row in facts.get("requirements", ()):
@@ -131,88 +138,62 @@ class _Sheet:
         self._free = [p["name"] for p in facts["parameters"] if p["upper"] > p["lower"]]
         runs = facts["runs"]["all"]
         self._met = MET, f"met in all of the box, by analysis of {runs} run{'s' * (runs != 1)}"
-        self._row_names: set[str] = set()
+        self.row_names: set[str] = set()  # of the quantities that have rows
 
-    def rows(self, number: str, asks: str, topic: str) -> list[dict[str, str]]:
-        """Return the sheet's rows that answer a clause, as dicts of texts; a single one that says
-        `not analysed` where nothing answers it. Arguments as in `CLAUSES`."""
+    def answer(self, topic: str) -> list[dict[str, str]]:
+        """Return the rows that answer a clause of a topic, as dicts of texts."""
         if topic in ANALYSES:
-            rows: list = [ANALYSES[topic](self)]
-        else:
-            quantities = [x for x in self.facts["quantities"] if topic in self._topics(x["name"])]
-            if topic == "margin":  # those by own factors behind those of the standard
-                quantities.sort(key=lambda row: bool(self._margins[row["name"]]["own"]))
-            rows = [x for row in quantities for x in self._quantity_rows(row, topic)]
-            if topic == "latches" and rows:  # latches that no quantity is about, beside others
-                places = [self._numbers[row["name"]].places for row in quantities]
-                single = {place[0] for place in places if len(place) == 1}
-                rest = [name for name in self._mechanism["latches"] if name not in single]
-                rows += [_row(", ".join(rest))] if rest else []
-        rows = [row for row in rows if row] or [_row("")]
-        return [{"clause": number, "asks": asks} | row for row in rows]
-
-    def list_other_rows(self) -> list[dict[str, str]]:
-        """Return the rows that answer no clause: margins by other standards, and the campaign's own
-        requirements; call it after `rows` of all clauses."""
-        rows = []
-        for name, row in self._quantities.items():
-            if name in self._row_names:
-                continue
-            if (margin := self._margins.get(name)) is not None:
-                asks = "a margin of at least 0 over the full range of travel"
-                names = {"clause": STANDARDS[margin["standard"]].title, "asks": asks}
-                rows += [names | x for x in self._quantity_rows(row, "margin")]
-            else:
-                rows += self._list_requirements(row, self._limits.get(name, []))
+            return list(filter(None, [ANALYSES[topic](self)]))
+        names = [row["name"] for row in self.facts["quantities"] if self._is_about(row, topic)]
+        if topic == "margin":  # those by own factors behind those of the standard
+            names.sort(key=lambda name: bool(self.margins[name]["own"]))
+        rows = [x for name in names for x in self.quantity_rows(self._quantities[name], topic)]
+        if topic == "latches" and rows:  # latches that no quantity is about, beside others
+            places = [self._numbers[name].places for name in names]
+            rest = [latch for latch in self._mechanism["latches"] if (latch,) not in places]
+            rows += [_row(", ".join(rest))] if rest else []
         return rows
 
-    def _topics(self, name: str) -> set[str]:
-        number, margin = self._numbers[name], self._margins.get(name)
+    def _is_about(self, row: Mapping[str, Any], topic: str) -> bool:
+        """Return whether a quantity is of a clause's topic."""
+        number, margin = self._numbers[row["name"]], self.margins.get(row["name"])
         response = number.response
-        if margin is not None:
-            if margin["without"]:
-                return set() if margin["own"] else {"failure"}
-            return {"margin"} if margin["standard"] == self.standard else set()
+        if margin and margin["without"]:
+            return topic == "failure" and not margin["own"]
+        if margin:
+            return topic == "margin" and margin["standard"] == self.standard
         if response is None:
-            return TOPICS.get(number.event, set())
-        if response.kind == "joint_moment":
-            part = response.subjects[1]
-            return {"stop": {"stop"}, "latch": {"latch shock", "shock"}}.get(part, set())
-        return TOPICS.get(response.kind, set())
+            return topic in TOPICS.get(number.event, ())
+        kind = response.kind
+        kind = f"{kind} {response.subjects[1]}" if kind == "joint_moment" else kind
+        return topic in TOPICS.get(kind, ())
 
-    # -- rows of quantities ------------------------------------------------------------------------
-
-    def _quantity_rows(self, row: Mapping[str, Any], topic: str) -> list[dict[str, str]]:
-        """Return the row of a quantity for a topic, and one for each own requirement of it."""
-        name = row["name"]
-        self._row_names.add(name)
+    def quantity_rows(self, row: Mapping[str, Any], topic: str = "") -> list[dict[str, str]]:
+        """Return the row of a quantity for a topic, unless this is empty, and one for each of the
+        campaign's own requirements of it."""
+        name, rows = row["name"], []
+        self.row_names.add(name)
         limits = self._limits.get(name, [])
+        if topic and topic not in JUDGES and limits:
+            return [self._row(row, self._approve(row, limit, topic), limit) for _, limit in limits]
         if topic in JUDGES:
-            verdict, limit = JUDGES[topic](self, row), None
+            verdict, judged = JUDGES[topic](self, row), None
             if topic == "latches":
-                limit = next((entry for _, entry in limits if _is_there(entry)), None)
+                judged = next((entry for _, entry in limits if _is_there(entry)), None)
             elif topic in ("margin", "failure"):
-                limit = self._limit_at_zero(name)
-            main = self._row(row, verdict, limit)
-            if topic == "margin" and self._margins[name]["own"]:
-                main |= {"clause": "own", "asks": "a margin with the campaign's own factors"}
-            rest = [(requirement, entry) for requirement, entry in limits if entry is not limit]
-            return [main, *self._list_requirements(row, rest)]
-        if not limits:
-            verdict = REPORT, "reported; no limit was stated"
-            if topic in ALLOWABLES:
-                verdict = _because(NOT_ANALYSED, "no allowable was stated (at_most)")
-            return [self._row(row, verdict)]
-        return [self._row(row, self._approve(row, limit, topic), limit) for _, limit in limits]
-
-    def _list_requirements(self, row: Mapping[str, Any], limits: Sequence) -> list[dict[str, str]]:
-        """Return a row for each of the campaign's own requirements of a quantity."""
-        self._row_names.add(row["name"])
-        rows = []
+                judged = self._limit_at_zero(name)
+            rows = [self._row(row, verdict, judged)]
+            if topic == "margin" and self.margins[name]["own"]:
+                rows[0] |= {"clause": "own", "asks": "a margin with the campaign's own factors"}
+            limits = [pair for pair in limits if pair[1] is not judged]
+        elif topic in ALLOWABLES:
+            rows = [self._row(row, _because(NOT_ANALYSED, "no allowable was stated (at_most)"))]
+        elif topic:
+            rows = [self._row(row, (REPORT, "reported; no limit was stated"))]
         for requirement, limit in limits:
             state, text = verdict = self._judge(row, limit)
             weaker = limit["kind"] != "at_least" or limit["level"] < 0
-            if row["name"] in self._margins and weaker and state != UNMET:
+            if name in self.margins and weaker and state != UNMET:
                 outcome = "kept in all of the box" if state == MET else text
                 text = f"{outcome}, which does not show that the margin is at least 0"
                 verdict = _because(REPORT, text)
@@ -229,8 +210,8 @@ class _Sheet:
         if row["lower"] is None:
             value = "happens in no run"
         analysed, nearest = f"{name}: {row['long_name']}", ""
-        if margin := self._margins.get(name):
-            analysed += f"; {self._margin_words(margin)}"
+        if margin := self.margins.get(name):
+            analysed += f"; {_describe_margin(margin)}"
             if limit is None:
                 least = numbers.quantity(row["simulated_lower"], units, 4)
                 nearest = f"{numbers.place(row['argmin'], parameters)}: {least}, computed there"
@@ -314,13 +295,13 @@ class _Sheet:
     def _margin(self, row: Mapping[str, Any]) -> Verdict:
         """Return whether a margin meets its standard; of one by factors of its own, what both say.
         One without parts that drive nowhere is no failure case."""
-        margin, (state, text) = self._margins[row["name"]], self._above_zero(row)
+        margin, (state, text) = self.margins[row["name"]], self._above_zero(row)
         if idle := [part for part in margin["without"] if part not in margin["drives"]]:
             text = f"{', '.join(idle)} drives nowhere, so its absence is no failure case"
             return _because(NOT_ANALYSED, text)
         if margin["own"]:
             name, standard_text = f"{margin['name']}{BY_STANDARD}_least", NOT_ANALYSED
-            peer = self._margins.get(name, {})
+            peer = self.margins.get(name, {})
             if not peer.get("own", True) and peer["standard"] == margin["standard"]:
                 _, standard_text = self._margin(self._quantities[name])
             text = f"by own factors ({', '.join(margin['own'])}): {text}"
@@ -345,9 +326,14 @@ class _Sheet:
         if margin["travel"] is None:
             names = " or ".join(margin["openings"])
             reasons.append(f"no latch or stop of {names} states where its travel ends")
-        elif not _covers(margin):
-            reasons.append(f"the travel is {_stretch(margin['travel'], unit)}")
-        peers = [x for x in self._margins.values() if x["standard"] == margin["standard"]]
+        else:
+            (c, d), (a, b) = (
+                sorted(x) for x in (margin["travel"], (margin["first"], margin["last"]))
+            )
+            room = 1e-6 * (d - c)
+            if a > c + room or b < d - room:
+                reasons.append(f"the travel is {_stretch(margin['travel'], unit)}")
+        peers = [x for x in self.margins.values() if x["standard"] == margin["standard"]]
         openings = {name for peer in peers for name in peer["openings"]}
         if locks := [name for name in margin["locked"] if name not in openings]:
             is_are = "is" if len(locks) == 1 else "are"
@@ -359,25 +345,6 @@ class _Sheet:
         if margin["weaker"]:
             reasons.append(f"the structure's file counts {', '.join(margin['weaker'])}")
         return reasons
-
-    def _margin_words(self, margin: Mapping[str, Any]) -> str:
-        """Describe how a margin was computed, and over which positions."""
-        unit, travel = margin["unit"], margin["travel"]
-        words = [f"analysed from {_stretch((margin['first'], margin['last']), unit)}"]
-        words[0] += (f" of a travel from {_stretch(travel, unit)}" if travel is not None else
-                     "; no latch or stop states where the travel ends")  # fmt: skip
-        if margin["starts_vary"]:
-            words[0] += " in the nominal run; every other run begins at its own start"
-        lists = {"without": "without {}", "own": "own factors: {}", "added": "with {}",
-                 "locked": "{} held"}  # fmt: skip
-        words += [t.format(", ".join(margin[key])) for key, t in lists.items() if margin[key]]
-        for key, text in (("latches", "without the latch {}, which catches on the way"),
-                          ("motors", "without the elastic motor of {}")):  # fmt: skip
-            words += [text.format(name) for name in margin[key]]
-        if margin["evidence"] == "spring out":
-            words.append("by the factors for a failed spring, not comparable with the intact "
-                         "mechanism")  # fmt: skip
-        return "; ".join(words)
 
     def _catches(self, row: Mapping[str, Any]) -> Verdict:
         """Return whether a latch catches."""
@@ -422,7 +389,7 @@ class _Sheet:
     def redundant(self) -> dict[str, str] | None:
         """Row on whether the margin holds without any one driving spring; None if none drives."""
         margins = {
-            name: margin for name, margin in self._margins.items()
+            name: margin for name, margin in self.margins.items()
             if margin["standard"] == self.standard and not margin["own"]
         }  # fmt: skip
         springs = list(dict.fromkeys(name for m in margins.values() for name in m["springs"]))
@@ -456,7 +423,7 @@ class _Sheet:
         rows, whole = self.facts["requirements"], self.facts["together"]
         analysed = f"all requirements together over the box of {', '.join(self._free)}, by "
         analysed += f"{self.facts['runs']['all']} runs including the worst places"
-        states = {name: self._margin(self._quantities[name])[0] for name in self._margins}
+        states = {name: self._margin(self._quantities[name])[0] for name in self.margins}
         failures: dict[str, None] = {}
         for row in (row for row in rows if row["met"] in ("some", "none")):
             names = [limit["quantity"] for limit in row["limits"] if limit["met"] != "all"]
@@ -602,14 +569,22 @@ def _describe_limit(limit: Mapping[str, Any], units: str) -> str:
     return f"{limit['kind'].replace('_', ' ')} {level}"
 
 
+def _describe_margin(margin: Mapping[str, Any]) -> str:
+    """Describe how a margin was computed, and over which positions."""
+    text = f"analysed from {_stretch((margin['first'], margin['last']), margin['unit'])}"
+    text += "; no latch or stop states where the travel ends" if margin["travel"] is None else (
+        f" of a travel from {_stretch(margin['travel'], margin['unit'])}")  # fmt: skip
+    text += " in the nominal run; every other run begins at its own start" * margin["starts_vary"]
+    lists = {"without": "without {}", "own": "own factors: {}", "added": "with {}",
+             "locked": "{} held"}  # fmt: skip
+    words = [form.format(", ".join(margin[key])) for key, form in lists.items() if margin[key]]
+    words += [f"without the latch {name}, which catches on the way" for name in margin["latches"]]
+    words += [f"without the elastic motor of {name}" for name in margin["motors"]]
+    if margin["evidence"] == "spring out":
+        words.append("by the factors for a failed spring, not comparable with the intact mechanism")
+    return "; ".join([text, *words])
+
+
 def _is_there(limit: Mapping[str, Any]) -> bool:
     """Return whether a limit requires its quantity to happen."""
     return limit["kind"] != "happens" or bool(limit["level"])
-
-
-def _covers(margin: Mapping[str, Any]) -> bool:
-    """Return whether the positions of a margin are all of its travel."""
-    c, d = sorted(margin["travel"])
-    a, b = sorted((margin["first"], margin["last"]))
-    room = 1e-6 * (d - c)
-    return a <= c + room and b >= d - room

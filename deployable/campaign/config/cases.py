@@ -29,15 +29,14 @@ def without_cases(raw: Mapping) -> tuple[dict, dict[str, Any]]:
     return ({**raw, "requirements": requirements} if case_lists else dict(raw)), case_lists
 
 
-def naming_problems(cases: Mapping[str, Any], case_lists: Mapping[str, Any]) -> list[str]:
-    """Check the names of cases, and that requirements list existing ones: returns a sentence for
+def naming_problems(cases: Mapping[str, Any], case_lists: Mapping[str, Any]) -> Iterator[str]:
+    """Check the names of cases, and that requirements list existing ones: yields a sentence for
     each problem. cases: that section of the config; case_lists: names of cases by requirement."""
-    problems: list = []
     folders: dict = {}
     for name in sorted(cases):
         twin = folders.setdefault(folder_name(name).lower().replace("-", "_"), name)
         if twin != name:
-            problems.append(
+            yield (
                 f"cases.{name}: as a folder's name it is that of {twin}; allowed: names that "
                 "differ in more than spaces, `-`, `_` and capitals"
             )
@@ -45,11 +44,10 @@ def naming_problems(cases: Mapping[str, Any], case_lists: Mapping[str, Any]) -> 
     for requirement, names in case_lists.items():
         key = f"requirements.{requirement}.cases"
         if not isinstance(names, list | tuple) or not names or not cases:
-            problems.append(f"{key}: {show(names)} is not allowed; allowed: {allowed}")
-        else:
-            problems += [f"{key}: {show(name)}: {unknown(str(name), 'case', cases)}"
-                         for name in names if name not in [*cases]]  # fmt: skip
-    return problems
+            yield f"{key}: {show(names)} is not allowed; allowed: {allowed}"
+            continue
+        for name in (name for name in names if name not in [*cases]):
+            yield f"{key}: {show(name)}: {unknown(str(name), 'case', cases)}"
 
 
 def case_config(raw: Mapping, name: str, case_lists: Mapping[str, Any]) -> tuple[dict, dict]:
@@ -72,9 +70,8 @@ def case_config(raw: Mapping, name: str, case_lists: Mapping[str, Any]) -> tuple
     return rest, changes
 
 
-def fixed_interval_problems(case: Mapping, name: str, intervals: Mapping) -> list[str]:
+def fixed_interval_problems(case: Mapping, name: str, intervals: Mapping) -> Iterator[str]:
     """Check that a case gives no value to a parameter that is an interval."""
-    problems = []
     for parameter, value in case.get("scene", {}).items():
         if parameter in {**intervals, **case.get("intervals", {})}:
             spec = intervals.get(parameter, {})
@@ -83,12 +80,11 @@ def fixed_interval_problems(case: Mapping, name: str, intervals: Mapping) -> lis
                 width = {"absolute": float(f"{0.5 * (spec['upper'] - spec['lower']):.6g}")}
             keys = {"nominal": value, **(width or {"relative": 0.1})}
             text = ", ".join(f"{key}: {x}" for key, x in keys.items())
-            problems.append(
+            yield (
                 f"cases.{name}.scene.{parameter}: {show(value)}, and {parameter} is an interval; "
                 f"allowed: instead `intervals: {{{parameter}: {{{text}}}}}` in this case, or "
                 "another parameter"
             )
-    return problems
 
 
 def case_problem(name: str, problem: str) -> str:

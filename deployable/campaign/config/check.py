@@ -118,26 +118,31 @@ def check_config(raw: Mapping | str | Path, source: str = "the config") -> Campa
         problems += naming_problems({**names, **config.cases}, case_lists)
         if config.responses or config.margins:
             config, margin_problems = with_margins(config, raw.get("solver") or {})
-            problems += margin_problems + accuracy_problems(config, user_config)
+            problems += [*margin_problems, *accuracy_problems(config, user_config)]
             campaign, scene_problems = resolve(config, user_config)
             problems += scene_problems
         else:
             allowed = "a mapping from at least one name (letters, digits, `_`)"
             problems.append(f"responses: {{}} is not allowed; allowed: {allowed} to definitions")
     problems = [units.misfits.get(problem.partition(":")[0], problem) for problem in problems]
-    problems = [*dict.fromkeys([*problems, *units.misfits.values()])]
-    keys = [f"{problem.partition(':')[0]}." for problem in problems]
-    causes = [problem.partition(":")[2] for problem in problems]
-    problems = [  # without those that follow from a key of the section, or from one that is missing
-        problem for i, (problem, key) in enumerate(zip(problems, keys, strict=True))
-        if not any(text != key and text.startswith(key) for text in keys)
-        and not (problem.endswith("allowed: none")
-                 and (causes[i] in causes[:i] or {"quantities.", "responses."} & {*keys}))
-    ]  # fmt: skip
+    problems = _find_causes([*dict.fromkeys([*problems, *units.misfits.values()])])
     if problems := problems or [*units.unknowns.values()]:
         raise ConfigError(source, problems)
     assert config is not None  # else there are problems
     return _resolve_cases(campaign, raw, original, case_lists, source) if config.cases else campaign
+
+
+def _find_causes(problems: list[str]) -> list[str]:
+    """Return the problems that follow neither from a key of their section, nor from a missing
+    one."""
+    pairs, causes = [problem.partition(":")[::2] for problem in problems], []
+    keys = {f"{key}." for key, _ in pairs}
+    for i, (key, text) in enumerate(pairs):
+        has_cause = any(other != f"{key}." and other.startswith(f"{key}.") for other in keys)
+        is_told = text in [other for _, other in pairs[:i]] or {"quantities.", "responses."} & keys
+        if not has_cause and not (text.endswith("allowed: none") and is_told):
+            causes.append(problems[i])
+    return causes
 
 
 def _resolve_cases(
@@ -147,7 +152,7 @@ def _resolve_cases(
     config with its units, which in a case are of the case's structure."""
     cases, campaigns, problems = raw["cases"], {}, []
     for name in cases:
-        fixed = fixed_interval_problems(cases[name], name, raw["intervals"])
+        fixed = [*fixed_interval_problems(cases[name], name, raw["intervals"])]
         config, changes = case_config(original, name, case_lists)
         _add(config, changes)
         try:

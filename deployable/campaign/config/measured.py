@@ -62,8 +62,7 @@ def _test_problems(test: MeasuredTest, file: CurvesFile, experiment: Experiment)
     wrong_names = {x for x, response in test.columns.items() if x in test.band and x != response}
     wrong_names -= {*test.columns.values()}
     for column, response in test.columns.items():
-        band = column + _BAND
-        if fault := file.faults.get(column) or file.faults.get(band):
+        if fault := file.faults.get(column) or file.faults.get(column + _BAND):
             yield f"columns.{column}: {fault}"
         elif column not in file.columns:
             yield f"columns.{column}: {unknown(column, f'column of {test.file}', columns)}"
@@ -75,24 +74,32 @@ def _test_problems(test: MeasuredTest, file: CurvesFile, experiment: Experiment)
             yield f"columns.{column}: {text}; allowed: a unit that fits {symbol}"
         elif column in wrong_names:
             yield f"band.{column}: a band is named after its response; allowed: {response}"
-        elif (has_column := band in file.columns) == (response in test.band):
-            text = "has two bands" if has_column else "has no band"
-            yield f"band.{response}: {response} {text}; allowed: one here or as {band}"
-        elif has_column and not file.units[band].fits(unit(curves[response].unit)):
-            text = f"{test.file}: the unit of {band} is not one of {column}"
-            yield f"columns.{column}: {text}; allowed: one of {curves[response].unit}"
-        elif has_column and not (file.columns[band] > 0).all():
-            text = f"{test.file}: a band of {band} is not above 0"
-            yield f"columns.{column}: {text}; allowed: numbers above 0"
+        else:
+            yield from _band_problems(test, file, column, curves[response])
     responses = [*test.columns.values()]
     for response in {response for response in responses if responses.count(response) > 1}:
         yield f"columns: {response} stands twice; allowed: each response once"
-    for key in ("band", "model", "unknown.offset", "unknown.gain"):
-        names = getattr(test, key) if "." not in key else getattr(test.unknown, key[8:])
-        for name in set(names) - {*responses, *(wrong_names if key == "band" else ())}:
+    sensor = {"unknown.offset": test.unknown.offset, "unknown.gain": test.unknown.gain}
+    for key, entries in {"band": test.band, "model": test.model, **sensor}.items():
+        for name in entries.keys() - {*responses, *(wrong_names if key == "band" else ())}:
             yield f"{key}.{name}: {unknown(name, 'response in columns', responses)}"
     yield from _instant_problems(test, file, experiment.solver.duration)
     yield from _value_problems(test, experiment)
+
+
+def _band_problems(
+    test: MeasuredTest, file: CurvesFile, column: str, response: Response
+) -> Iterator[str]:
+    name, band = response.name, column + _BAND
+    if (has_column := band in file.columns) == (name in test.band):
+        text = "has two bands" if has_column else "has no band"
+        yield f"band.{name}: {name} {text}; allowed: one here or as {band}"
+    elif has_column and not file.units[band].fits(unit(response.unit)):
+        text = f"{test.file}: the unit of {band} is not one of {column}"
+        yield f"columns.{column}: {text}; allowed: one of {response.unit}"
+    elif has_column and not (file.columns[band] > 0).all():
+        text = f"{test.file}: a band of {band} is not above 0"
+        yield f"columns.{column}: {text}; allowed: numbers above 0"
 
 
 def _instant_problems(test: MeasuredTest, file: CurvesFile, duration: float) -> Iterator[str]:

@@ -1,6 +1,6 @@
 """Runs of a user's own: rows of a CSV file, or values of one parameter (section `design`)."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from typing import Any
 
@@ -27,15 +27,14 @@ def file_digest(path: str | None) -> str:
     return ""
 
 
-def key_problems(user_config: Mapping) -> list[str]:
-    """Return a sentence for each key of a config without defaults that does not go with its own
+def key_problems(user_config: Mapping) -> Iterator[str]:
+    """Yield a sentence for each key of a config without defaults that does not go with its own
     runs."""
     design = user_config.get("design", {})
-    (kind, *_) = [*(key for key in ("file", "values") if key in design), ""]
-    keys = [f"design.{key}" for key in design if key != kind]
-    keys += ["held_out"] * ("held_out" in user_config)
-    text = f"not allowed beside design.{kind}; allowed: one of the two"
-    return [f"{key}: {text}" for key in keys if kind]
+    if kind := next((key for key in ("file", "values") if key in design), ""):
+        keys = [f"design.{key}" for key in design if key != kind]
+        for key in keys + ["held_out"] * ("held_out" in user_config):
+            yield f"{key}: not allowed beside design.{kind}; allowed: one of the two"
 
 
 def own_points(experiment: Any) -> np.ndarray:

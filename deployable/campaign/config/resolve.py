@@ -1,18 +1,12 @@
 """From a config to its campaign: names, numbers and defaults in place of what it leaves open."""
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any, cast
 
 from deployable.campaign.config.keys import RefusedError
-from deployable.campaign.config.models import (
-    Aim,
-    BoundsChoice,
-    Config,
-    IntervalSpec,
-    Limits,
-)
+from deployable.campaign.config.models import Aim, BoundsChoice, Config, IntervalSpec, Limits
 from deployable.campaign.config.own_runs import file_digest
 from deployable.campaign.config.read import sentence, show
 from deployable.campaign.config.sections import (
@@ -69,6 +63,10 @@ def campaign_of(
         accuracy=accuracy,
         display=config.display,
     )
+    specs = {name: config.intervals.get(name) for name in config.choose.parameters}
+    goals = (config.choose.minimise, config.choose.maximise)
+    minimise, maximise = ((goal,) if isinstance(goal, str) else goal for goal in goals)
+    relative = tuple(name for name, spec in specs.items() if spec and spec.relative is not None)
     rest = ("bounds", "published", "review", "verify", "jobs")
     return Campaign(
         experiment=experiment,
@@ -76,7 +74,7 @@ def campaign_of(
             name: {quantity: limits.by_name for quantity, limits in section.items()}
             for name, section in config.requirements.items()
         },
-        choose=_choose_of(config),
+        choose=Choose(config.choose.parameters, minimise, maximise, relative),
         **{name: getattr(config, name) for name in rest},
     )
 
@@ -174,18 +172,6 @@ def with_accuracy(config: Config, scene_type: Any) -> tuple[Config, Accuracy]:
     return config, Accuracy(tolerances, aim.max_runs, aim.max_core_minutes, mesh)
 
 
-def _choose_of(config: Config) -> Choose:
-    """Return the section `choose` with goals as tuples, and the names of parameters whose intervals
-    are `relative`."""
-    section = config.choose
-    minimise, maximise = (
-        (goal,) if isinstance(goal, str) else goal for goal in (section.minimise, section.maximise)
-    )
-    specs = {name: config.intervals.get(name) for name in section.parameters}
-    relative = tuple(name for name, spec in specs.items() if spec and spec.relative is not None)
-    return Choose(section.parameters, minimise, maximise, relative)
-
-
 def intervals_of(
     specs: Mapping[str, IntervalSpec], scene_values: Mapping, scene_type: Any
 ) -> tuple[dict[str, Interval], list[str]]:
@@ -213,7 +199,18 @@ def _interval(name: str, spec: IntervalSpec, scene_values: Mapping, scene_type: 
     if name in scene_values and spec.nominal is not None:
         text = f"{name} is defined twice, here and by scene.parameters.{name}"
         raise RefusedError(".nominal", f"{text}; allowed: one of the two")
-    interval = _ends(spec, scene_values.get(name, parameter.default))
+    nominal = spec.nominal
+    if spec.lower is not None:
+        middle = 0.5 * (spec.lower + spec.upper) if nominal is None else nominal
+        interval = Interval(spec.lower, middle, spec.upper)
+    else:
+        nominal = scene_values.get(name, parameter.default) if nominal is None else nominal
+        if isinstance(nominal, bool) or not isinstance(nominal, int | float):
+            raise RefusedError(".nominal", "missing, and the scene has no value; allowed: a number")
+        half = abs(nominal) * spec.relative if spec.absolute is None else spec.absolute
+        if spec.absolute is None and half == 0.0 < spec.relative:
+            raise RefusedError(".relative", "the nominal value is 0; allowed: absolute instead")
+        interval = Interval(float(nominal - half), float(nominal), float(nominal + half))
     for end, value in (("lower", interval.lower), ("upper", interval.upper)):
         if not allows(parameter, value):
             text = f"its {end} end {value:.12g} leaves the range of {name}"
@@ -221,22 +218,6 @@ def _interval(name: str, spec: IntervalSpec, scene_values: Mapping, scene_type: 
                 text += f" (did you mean {spec.relative / 100:g}, for {spec.relative:g} %?)"
             raise RefusedError("", f"{text}; allowed: {parameter.allowed}")
     return interval
-
-
-def _ends(spec: IntervalSpec, default: Any) -> Interval:
-    """Return the interval that is meant; `default` is the scene's value."""
-    lower, nominal, upper = spec.lower, spec.nominal, spec.upper
-    if lower is not None:
-        return Interval(lower, 0.5 * (lower + upper) if nominal is None else nominal, upper)
-    nominal = default if nominal is None else nominal
-    if isinstance(nominal, bool) or not isinstance(nominal, int | float):
-        raise RefusedError(".nominal", "missing, and the scene has no value; allowed: a number")
-    half = spec.absolute
-    if half is None:
-        half = abs(nominal) * spec.relative
-        if half == 0.0 < spec.relative:
-            raise RefusedError(".relative", "the nominal value is 0; allowed: absolute instead")
-    return Interval(float(nominal - half), float(nominal), float(nominal + half))
 
 
 def real_names(scene_type: Any) -> list[str]:
@@ -259,6 +240,18 @@ def _unknown_parameter(name: str, scene_type: Any, names: Iterable[str]) -> str:
     return unknown(name, f"parameter of {scene_type.name}", names, likely)
 
 
+def parameter_problems(key: str, values: Mapping, scene_type: Any) -> Iterator[str]:
+    """Check values of a structure's parameters that a section of the config called `key` sets."""
+    parameters = scene_type.parameters
+    for name, value in values.items():
+        if name not in parameters:
+            yield f"{key}.{name}: {_unknown_parameter(name, scene_type, parameters)}"
+        elif not allows(parameters[name], value):
+            hint = number_hint(value, with_unit=False) if isinstance(value, str) else ""
+            text = f"{show(value)} is not allowed{hint}; allowed: {parameters[name].allowed}"
+            yield f"{key}.{name}: {text}"
+
+
 def allows(parameter: Any, value: Any) -> bool:
     """Return whether a parameter of an `fpm` structure (`Parameter`) may have a value."""
     try:
@@ -266,18 +259,3 @@ def allows(parameter: Any, value: Any) -> bool:
     except SceneError:
         return False
     return True
-
-
-def parameter_problems(key: str, values: Mapping, scene_type: Any) -> list[str]:
-    """Check values of a structure's parameters that a section of the config called `key` sets."""
-    problems, parameters = [], scene_type.parameters
-    for name, value in values.items():
-        if name not in parameters:
-            text = _unknown_parameter(name, scene_type, parameters)
-        elif not allows(parameters[name], value):
-            hint = number_hint(value, with_unit=False) if isinstance(value, str) else ""
-            text = f"{show(value)} is not allowed{hint}; allowed: {parameters[name].allowed}"
-        else:
-            continue
-        problems.append(f"{key}.{name}: {text}")
-    return problems

@@ -3,7 +3,7 @@
 import itertools
 import re
 import shutil
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
@@ -63,9 +63,9 @@ def resolve(config: Config, user_config: Mapping) -> tuple[Campaign | None, list
     try:
         structure = scene_type(section.name or "", section.file or "")
     except fpm.SceneError as error:
-        return None, _scene_problems(error, "scene.file")
+        return None, [*_scene_problems(error, "scene.file")]
     intervals, trouble = intervals_of(config.intervals, section.parameters, structure)
-    problems = parameter_problems("scene.parameters", section.parameters, structure) + trouble
+    problems = [*parameter_problems("scene.parameters", section.parameters, structure), *trouble]
     campaign = campaign_of(config, user_config, structure, intervals)
     problems += key_problems(user_config)
     if not problems:
@@ -90,9 +90,8 @@ def resolve(config: Config, user_config: Mapping) -> tuple[Campaign | None, list
     return campaign, problems
 
 
-def _build_problems(experiment: Experiment) -> list[str]:
-    """Describe inconsistencies that the scene finds at the nominal values or at the first bad
-    corner."""
+def _build_problems(experiment: Experiment) -> Iterator[str]:
+    """Describe the first inconsistency that the scene finds, at the nominal values or a corner."""
     first = None
     places = itertools.chain(["the nominal values"], itertools.repeat("a corner of the intervals"))
     for place, values in zip(places, corners(experiment.intervals), strict=False):
@@ -100,40 +99,37 @@ def _build_problems(experiment: Experiment) -> list[str]:
         try:
             scene = experiment.nominal_scene if first is None else experiment.build(values)
         except fpm.SceneError as error:
-            return _scene_problems(error, f"scene: at {place} ({point})", str(error))
+            yield from _scene_problems(error, f"scene: at {place} ({point})", str(error))
+            return
         scene_topology = topology(scene)
         first = scene_topology if first is None else first
         if scene_topology != first:
-            return [
+            yield (
                 f"intervals: at {place} ({point}) the structure has other parts than at the "
                 "nominal values; allowed: intervals over which it has the same particles, elements "
                 "and supports"
-            ]
-    return []
+            )
+            return
 
 
 _LONG = 60.0  # s
 
 
-def _time_problems(experiment: Experiment) -> list[str]:
-    """Return whether step and instants allow a run, judged at nominal values; the plan checks
-    corners."""
-    solver, problems = experiment.solver, []
-    scene = experiment.nominal_scene
+def _time_problems(experiment: Experiment) -> Iterator[str]:
+    """Check at nominal values that step and instants allow a run; the plan checks corners."""
+    solver, scene = experiment.solver, experiment.nominal_scene
     if solver.step != "auto" or solver.duration > _LONG:
         limit = fpm.find_stable_step(scene).step
         step = solver.safety * limit if solver.step == "auto" else solver.step
         if solver.step != "auto" and solver.duration >= step > 2 * limit:
-            problems.append(
+            yield (
                 f"solver.step: {step:.6g} s is far above what is stable; allowed: auto, or below "
                 f"{limit:.4g}"
             )
-        problems += steps_problems(solver, step)
-    return problems
+        yield from steps_problems(solver, step)
 
 
-def _response_problems(campaign: Campaign, scene: Any, margins: Mapping) -> list[str]:
-    problems = []
+def _response_problems(campaign: Campaign, scene: Any, margins: Mapping) -> Iterator[str]:
     responses = campaign.experiment.responses
     for name, definition in responses.items():
         if name not in margins and name.removesuffix(BY_STANDARD) in margins:
@@ -145,119 +141,117 @@ def _response_problems(campaign: Campaign, scene: Any, margins: Mapping) -> list
             if name in margins:  # as its section has it
                 key = re.sub(rf"^responses\.{name}\.(margin|with)\b", f"margins.{name}.along", key)
                 key = key.replace(f"responses.{name}", f"margins.{name}")
-            problems.append(sentence(key, error))
-    names = [name for name in campaign.published if name not in responses]
-    return problems + [f"published.{n}: {unknown(n, 'response', responses)}" for n in names]
+            yield sentence(key, error)
+    for name in (name for name in campaign.published if name not in responses):
+        yield f"published.{name}: {unknown(name, 'response', responses)}"
 
 
-def _travel_problems(experiment: Experiment) -> list[str]:
+def _travel_problems(experiment: Experiment) -> Iterator[str]:
     """Describe travels that the structure cannot make, at the nominal values and a few positions,
-    or that a latch or a stop keeps well before their ends."""
+    or that a latch or a stop keeps well before their ends, and wrong evidence of a spring out."""
     from fpm.structures.plausible import GIVES, find_barrier, opening_text
 
-    problems, scene = [], experiment.nominal_scene
-    for curve in experiment.response_list:
-        if curve.kind == "margin":
-            path, _ = read_label(curve.columns[0][1])
-            number = [hinge.name for hinge in scene.hinges].index(path.openings[0])
-            if reason := find_barrier(scene, number, curve.along.last, GIVES):
-                text = opening_text(scene.hinges[number], curve.along.last)
-                text = f"{text} is {reason}; allowed: an opening before that"
-                problems.append(f"margins.{curve.name}.to: {text}")
-                continue
-            try:
-                travel = travel_of(scene, path, positions=9)
-            except fpm.SceneError as error:
-                problems.append(sentence(f"margins.{curve.name}.along", error))
-                continue
-            problems += _spring_out_problems(experiment, curve, travel.work)
-    return problems
+    scene = experiment.nominal_scene
+    hinges = [hinge.name for hinge in scene.hinges]
+    for curve in (curve for curve in experiment.response_list if curve.kind == "margin"):
+        path, _ = read_label(curve.columns[0][1])
+        key, number = f"margins.{curve.name}", hinges.index(path.openings[0])
+        if reason := find_barrier(scene, number, curve.along.last, GIVES):
+            text = opening_text(scene.hinges[number], curve.along.last)
+            yield f"{key}.to: {text} is {reason}; allowed: an opening before that"
+            continue
+        try:
+            drives = find_drives(travel_of(scene, path, positions=9).work)
+        except fpm.SceneError as error:
+            yield sentence(f"{key}.along", error)
+            continue
+        springs = [name for name in springs_of(scene) if name in drives]
+        inactive = list(experiment.responses[curve.name].get("without", ()))
+        is_one = len(springs) > 1 and len(inactive) == 1 and inactive[0] in springs
+        if "spring out" in curve.subjects and not is_one:
+            one = f"`without` one of {', '.join(springs)}" if len(springs) > 1 else "other evidence"
+            yield (
+                f"{key}.evidence: 'spring out' is of one of several springs that drive, and "
+                f"{' and '.join(inactive) or 'nothing'} is out; allowed: {one}"
+            )
 
 
-def _spring_out_problems(experiment: Experiment, curve: Any, work: Mapping) -> list[str]:
-    """Return whether a margin by the factors of a spring that is out is without one, of several."""
-    if "spring out" not in curve.subjects:
-        return []
-    drive = find_drives(work)
-    springs = [name for name in springs_of(experiment.nominal_scene) if name in drive]
-    inactive = list(experiment.responses[curve.name].get("without", ()))
-    if len(springs) > 1 and len(inactive) == 1 and inactive[0] in springs:
-        return []
-    allowed = f"`without` one of {', '.join(springs)}" if len(springs) > 1 else "other evidence"
-    return [
-        f"margins.{curve.name}.evidence: 'spring out' is of one of several springs that drive, "
-        f"and {' and '.join(inactive) or 'nothing'} is out; allowed: {allowed}"
-    ]
-
-
-def _design_problems(campaign: Campaign) -> list[str]:
-    """Return whether what is kept goes with the design, and whether it can be made."""
-    experiment, design = campaign.experiment, campaign.experiment.design
+def _design_problems(campaign: Campaign) -> Iterator[str]:
+    """Check that the disk has room for a large scan, that the design can be made, and that it has
+    as many runs as the model of the bounds needs."""
+    experiment, design, box = (
+        campaign.experiment,
+        campaign.experiment.design,
+        campaign.experiment.box,
+    )
+    if design.method == "sobol" and design.samples > LARGE:
+        size, room = bytes_of_run(campaign), shutil.disk_usage(Path.cwd()).free
+        if design.samples > (most := int(room / size)):
+            text = f"{design.samples} runs with jobs.keep {campaign.jobs.keep} take about "
+            text += f"{size_text(design.samples * size)}, and the disk has {size_text(room)}"
+            yield f"design.samples: {text}; allowed: at most {most}"
+            return
+    if experiment.is_adaptive:
+        return
+    model, is_own = campaign.bounds.model, design.method == OWN_RUNS
     is_plain = design.method == "sobol" and design.order is None
-    has_none = is_plain and campaign.bounds.model in ("auto", "polynomial")
-    if (problems := _room_problems(campaign)) or experiment.is_adaptive:
-        return problems
+    has_none = is_plain and model in ("auto", "polynomial")
     try:
-        choice = replace(design, samples=2) if has_none else design
-        node_design = make_design(experiment, choice)
+        nodes = make_design(experiment, replace(design, samples=2) if has_none else design).points
     except OwnRunsError as error:
-        return [f"design.{error}"]
+        yield f"design.{error}"
+        return
     except IntervalError as error:
-        return [sentence(f"design.{error.key}", error)]
-    if design.method == OWN_RUNS and campaign.bounds.model == "polynomial":
+        yield sentence(f"design.{error.key}", error)
+        return
+    if is_own and model == "polynomial":
         text = "'polynomial' is not allowed with runs of your own"
-        return [f"bounds.model: {text}; allowed: auto, spline, aligned"]
-    is_spline = not has_none and campaign.bounds.model in ("spline", "aligned")
-    is_spline = is_spline or design.method == OWN_RUNS
-    return _spline_problems(campaign, node_design) if is_spline else []
+        yield f"bounds.model: {text}; allowed: auto, spline, aligned"
+    elif is_own or (not has_none and model in ("spline", "aligned")):
+        if box.free.sum() > MOST_FULL:
+            text = f"{model!r} is not allowed with {box.free.sum()} intervals; allowed: polynomial"
+            yield f"bounds.model: {text}"
+            return
+        points = [box.to_unit(experiment.nominal)[None], nodes]
+        if design.method != "sobol":
+            points.append(held_out_points(box.free, experiment.held_out, nodes))
+        try:
+            check_spline_runs(np.concatenate(points))
+        except IntervalError as error:
+            text = f"bounds.model: {model!r} is not allowed with {error.value} runs"
+            text = f"{text}; allowed: polynomial, or {error.allowed}"
+            own_text = f"design: {error.value} runs with the nominal one do not determine a model"
+            yield f"{own_text}; allowed: {error.allowed}" if is_own else text
 
 
-def _spline_problems(campaign: Campaign, design: Any) -> list[str]:
-    """Describe the problem if a plan has too few or too many runs for a spline."""
-    experiment, model, box = campaign.experiment, campaign.bounds.model, campaign.experiment.box
-    if box.free.sum() > MOST_FULL:
-        text = f"{model!r} is not allowed with {box.free.sum()} intervals; allowed: polynomial"
-        return [f"bounds.model: {text}"]
-    points = [box.to_unit(experiment.nominal)[None], design.points]
-    if experiment.design.method != "sobol":
-        points.append(held_out_points(box.free, experiment.held_out, design.points))
-    try:
-        check_spline_runs(np.concatenate(points))
-    except IntervalError as error:
-        if experiment.design.method == OWN_RUNS:
-            text = "with the nominal one do not determine a model"
-            return [f"design: {error.value} runs {text}; allowed: {error.allowed}"]
-        text = f"bounds.model: {model!r} is not allowed with {error.value} runs"
-        return [f"{text}; allowed: polynomial, or {error.allowed}"]
-    return []
-
-
-def _scene_problems(error: Any, key: str, text: str = "") -> list[str]:
+def _scene_problems(error: Any, key: str, text: str = "") -> Iterator[str]:
     """Turn a scene's error into sentences: all problems of a file, or the one of a known scene."""
-    if problems := getattr(error, "problems", None):
+    problems = getattr(error, "problems", ())
+    for problem in problems:
         is_missing = not Path(error.source).exists()
         allowed = "; allowed: a path from the folder of the campaign's file" * is_missing
-        return [f"{key}: {error.source}, {problem}{allowed}" for problem in problems]
-    return [f"{key}: {text}" if text else sentence(error.key, error)]
+        yield f"{key}: {error.source}, {problem}{allowed}"
+    if not problems:
+        yield f"{key}: {text}" if text else sentence(error.key, error)
 
 
-def accuracy_problems(config: Config, user_config: Mapping) -> list[str]:
-    """Check the section `accuracy` of a config: returns a sentence for each key beside it that it
+def accuracy_problems(config: Config, user_config: Mapping) -> Iterator[str]:
+    """Check the section `accuracy` of a config: yields a sentence for each key beside it that it
     would choose itself, and each unknown name in it. user_config: the config without defaults."""
     if config.accuracy is None:
-        return []
-    text = "accuracy makes this choice itself; allowed: {key} or accuracy, not both"
-    problems = [f"{key}: {text.format(key=key)}" for key in EXCLUSIVE if key in user_config]
+        return
+    for key in (key for key in EXCLUSIVE if key in user_config):
+        yield f"{key}: accuracy makes this choice itself; allowed: {key} or accuracy, not both"
     if len(config.intervals) > MOST_FULL:
-        problems.append(
+        yield (
             f"accuracy: not allowed with {len(config.intervals)} intervals; allowed: up to "
             f"{MOST_FULL} intervals, or design.method: screening for up to {MAX_DIMENSION}"
         )
     names = [*config.responses, *config.quantities]
     tolerances = config.accuracy.tolerance_by_name if isinstance(config.accuracy, Aim) else ()
-    key, noun = "accuracy.tolerance_by_name", "response or quantity"
-    wrong = [name for name in tolerances if name not in names]
-    return problems + [f"{key}.{name}: {unknown(name, noun, names)}" for name in wrong]
+    for name in (name for name in tolerances if name not in names):
+        text = unknown(name, "response or quantity", names)
+        yield f"accuracy.tolerance_by_name.{name}: {text}"
 
 
 def _keep_choice_runs(campaign: Campaign) -> tuple[Campaign, list[str]]:
@@ -276,7 +270,7 @@ def _keep_choice_runs(campaign: Campaign) -> tuple[Campaign, list[str]]:
     return replace(campaign, experiment=experiment), problems
 
 
-def _run_problems(campaign: Campaign) -> list[str]:
+def _run_problems(campaign: Campaign) -> Iterator[str]:
     """Check what is taken of runs that can be made: whether those side by side find room in memory,
     and the sections `quantities`, `requirements`, `choose`."""
     experiment, quantities = campaign.experiment, campaign.experiment.quantities
@@ -284,28 +278,30 @@ def _run_problems(campaign: Campaign) -> list[str]:
     if instants > most:
         text = " and what its responses ask for" * bool(experiment.record)
         text = f"{instants} are more than memory should hold of this scene{text}"
-        return [f"solver.instants: {text}; allowed: at most {most}"]
+        yield f"solver.instants: {text}; allowed: at most {most}"
+        return
     elements = eventful(experiment.nominal_scene) if quantities else ()
     _, errors = parse(quantities, experiment.response_list, elements)
-    problems = [sentence(error.key, error) for error in errors]
+    yield from (sentence(error.key, error) for error in errors)
     for name, limits in campaign.requirements.items():
-        for quantity in limits:
-            if quantity not in quantities:
-                text = unknown(quantity, "quantity", quantities)
-                if quantity in experiment.responses:
-                    example = f"`quantities: {{largest_{quantity}: {{largest: {quantity}}}}}`"
-                    text = f"this is a response; allowed: a quantity, such as {example}"
-                problems.append(f"requirements.{name}.{quantity}: {text}")
+        for quantity in (quantity for quantity in limits if quantity not in quantities):
+            text = unknown(quantity, "quantity", quantities)
+            if quantity in experiment.responses:
+                example = f"`quantities: {{largest_{quantity}: {{largest: {quantity}}}}}`"
+                text = f"this is a response; allowed: a quantity, such as {example}"
+            yield f"requirements.{name}.{quantity}: {text}"
     if campaign.choose.parameters:
-        problems += _choose_problems(experiment, campaign.choose)
-    return problems
+        problems = [*_choose_problems(experiment, campaign.choose)]
+        yield from problems
+        if not problems and len({*experiment.intervals, *campaign.choose.parameters}) > 8:
+            yield "choose.parameters: more than 8 with the intervals; allowed: fewer"
 
 
-def _choose_problems(experiment: Experiment, choose: Choose) -> list[str]:
-    problems, goals, quantities = [], choose.goals, experiment.quantities
+def _choose_problems(experiment: Experiment, choose: Choose) -> Iterator[str]:
+    goals, quantities, scene = choose.goals, experiment.quantities, experiment.scene_type
     if not 1 <= len(goals) <= 2:
         hint = f" (add one, such as `minimise: upper({next(iter(quantities), 'q')})`)" * (not goals)
-        problems.append(f"choose: it has {len(goals) or 'no'} goals{hint}; allowed: one or two")
+        yield f"choose: it has {len(goals) or 'no'} goals{hint}; allowed: one or two"
     for sign, end, quantity in goals:
         key = f"choose.{'minimise' if sign > 0 else 'maximise'}"
         if end not in ENDS or not quantity:
@@ -313,42 +309,18 @@ def _choose_problems(experiment: Experiment, choose: Choose) -> list[str]:
             goal = (ENDS[0], end) if end in quantities else (likely(end, ENDS), quantity)
             hint = " (did you mean {}({})?)".format(*goal) * all(goal)
             allowed = f"{', '.join(f'{word}(q)' for word in ENDS)} of a quantity q"
-            problems.append(f"{key}: {text!r} is not allowed{hint}; allowed: {allowed}")
+            yield f"{key}: {text!r} is not allowed{hint}; allowed: {allowed}"
         elif quantity not in quantities:
-            problems.append(f"{key}: {unknown(quantity, 'quantity', quantities)}")
-    for name in choose.parameters:
-        if text := _choice_problem(name, choose, experiment):
-            problems.append(f"choose.parameters.{name}: {text}")
-    if not problems and len({*experiment.intervals, *choose.parameters}) > 8:
-        problems.append("choose.parameters: more than 8 with the intervals; allowed: fewer")
-    return problems
-
-
-def _choice_problem(name: str, choose: Choose, experiment: Experiment) -> str:
-    """Describe the problem with the range of a parameter's choices, if there is one."""
-    scene, (low, high) = experiment.scene_type, choose.parameters[name]
-    if name not in (real := real_names(scene)):
-        return unknown(name, "real parameter", real)
-    if not low < high:
-        return (
-            f"{show([low, high])} is not allowed; allowed: first the lower end, then the upper end"
-        )
-    parameter = scene.parameters[name]
-    for value in choose.ends(name, experiment):
-        if not allows(parameter, value):
-            text = f"{value:.9g}, with its interval, leaves the range"
-            return f"{text}; allowed: {parameter.allowed}"
-    return ""
-
-
-def _room_problems(campaign: Campaign) -> list[str]:
-    """Check that the disk has room for a large scan: returns a sentence, in a list, if not."""
-    design = campaign.experiment.design
-    if design.method != "sobol" or design.samples <= LARGE:
-        return []
-    size, room = bytes_of_run(campaign), shutil.disk_usage(Path.cwd()).free
-    if design.samples <= (most := int(room / size)):
-        return []
-    text = f"{design.samples} runs with jobs.keep {campaign.jobs.keep} take about "
-    text += f"{size_text(design.samples * size)}, and the disk has {size_text(room)}"
-    return [f"design.samples: {text}; allowed: at most {most}"]
+            yield f"{key}: {unknown(quantity, 'quantity', quantities)}"
+    for name, (low, high) in choose.parameters.items():
+        key, real = f"choose.parameters.{name}", real_names(scene)
+        if name not in real:
+            yield f"{key}: {unknown(name, 'real parameter', real)}"
+        elif not low < high:
+            text = "is not allowed; allowed: first the lower end, then the upper end"
+            yield f"{key}: {show([low, high])} {text}"
+        else:
+            parameter = scene.parameters[name]
+            ends = [end for end in choose.ends(name, experiment) if not allows(parameter, end)]
+            text = "with its interval, leaves the range; allowed:"
+            yield from (f"{key}: {end:.9g}, {text} {parameter.allowed}" for end in ends[:1])

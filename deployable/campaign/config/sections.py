@@ -396,15 +396,14 @@ def design_points(experiment: Experiment, choose: Choose) -> np.ndarray:
 MOST_STEPS = 10**9  # steps of a run: of the smallest scene, a day
 
 
-def steps_problems(solver: Solver, step: float) -> list[str]:
+def steps_problems(solver: Solver, step: float) -> Iterator[str]:
     """Check that a run with the time step `step` (s) has at most `MOST_STEPS` steps."""
-    if solver.duration / step <= MOST_STEPS:
-        return []
-    key = "duration" if solver.step == "auto" else "step"
-    return [
-        f"solver.{key}: {solver.duration / step:.3g} steps of {step:.3g} s; allowed: at most "
-        f"{MOST_STEPS:.0e} steps, a duration of {MOST_STEPS * step:.3g} s"
-    ]
+    if solver.duration / step > MOST_STEPS:
+        yield (
+            f"solver.{'duration' if solver.step == 'auto' else 'step'}: "
+            f"{solver.duration / step:.3g} steps of {step:.3g} s; allowed: at most "
+            f"{MOST_STEPS:.0e} steps, a duration of {MOST_STEPS * step:.3g} s"
+        )
 
 
 def count_runs(experiment: Experiment) -> int:

@@ -69,6 +69,5 @@ class Folder:
         return self.path.parents[1] if self.path.parent.name == "rounds" else self.path
 
     def round(self, number: int) -> "Folder":
-        """Return the folder of one round of this campaign's `accuracy`; number: of the round, from
-        0."""
+        """Return the folder of a round of this campaign's `accuracy`; number: of it, from 0."""
         return Folder(self / f"rounds/{number}")

@@ -91,8 +91,7 @@ class RefinementLevel(NamedTuple):
 
     def extrapolate(self, change: np.ndarray, ratio: np.ndarray | None) -> np.ndarray:
         """Return the error by all halvings from the `change` by the first and the `ratio`, of
-        successive changes. A change that is small by accident, as the next is larger, counts as
-        that."""
+        successive changes. A change smaller than the next is so by accident, and counts as that."""
         growth = 1.0
         if self.ends_finest and ratio is not None:
             with np.errstate(divide="ignore"):
@@ -106,8 +105,7 @@ def estimate_discretization_errors(
     """Estimate the errors by time step and mesh of the bounds of all q quantities: arrays (q, 2),
     for lower and upper bound, by "step" and "mesh". They are the changes when the runs at the
     bounds (or the nearest that have the quantity when refined) are refined, extrapolated by the
-    order at the bound that changes most. NaN for quantities without a value; no "mesh" if no
-    parameter sets it."""
+    order at the bound that changes most. NaN without a value; no "mesh" if none is set."""
     points = np.array([point for b in bounds for point in (b.argmin, b.argmax)])
     values = np.array([value for b in bounds for value in (b.lower, b.upper)])
     q, errors = np.repeat(np.arange(len(bounds)), 2), {}
@@ -142,8 +140,7 @@ def _find_nearest_values(
     model: ModelEvaluator, plan: Plan, indices: np.ndarray, points: np.ndarray, values: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Unit points (P, k) and numbers (P) of the planned runs that have quantities `indices` (P),
-    also when refined, nearest to points at which they do not; NaN where there is none. values (P):
-    those of the bounds."""
+    also when refined, nearest to points at which they do not; NaN: none. values (P): bounds."""
     row, starts = np.arange(len(indices)), np.empty((len(_NEIGHBOURS), *points.shape))
     for i, q in enumerate(indices):
         present = model.points[np.isfinite(model.numbers[:, q])]
@@ -366,8 +363,7 @@ def _bisect_segments(
     outer: np.ndarray,
     inner: np.ndarray,
 ) -> float:
-    """Return the largest size of the decision value at which finer runs differ, between points (P,
-    k)."""
+    """Return the largest decision value at which finer runs differ, between points (P, k)."""
     if not len(outer):
         return 0.0
     happens = occurrence.evaluate(outer)

@@ -51,8 +51,7 @@ WRITE, STRESS = 5e-3, 2e-5
 """Seconds for a run's scene and file, and to read the stress of a bar at an instant."""
 
 TEST_RUNS, TEST = 120, 26.0
-"""Runs for a test with measured curves, and seconds to search what it leaves; refuting takes up to
-four times as many."""
+"""Runs for a test with measured curves (up to four times as many to refute), seconds to search."""
 
 ITERATIONS, SURFACE = 6, 8
 """Rounds of further runs where quantities jump or cease within the box, as where contacts close or
@@ -111,7 +110,15 @@ def estimate(
     seconds_by_stage = _stage_seconds(campaign)
     passes: dict[str, Any] = {"page": [(MOTIONS * LANES, 1.0)]}
     if is_adaptive:
-        passes |= {"rounds": _round_passes(campaign), "answers": further_runs.get("the choice", [])}
+        # Each round has twice the runs of the one before and a check of mesh and step; after the
+        # first half of them the mesh is finer.
+        sizes = [min(count_first_runs(experiment) * 2**i, runs) for i in range(ROUNDS)]
+        factors = [4.0 if i > ROUNDS / 2 else 1.0 for i in range(ROUNDS)]
+        passes["rounds"] = [
+            entry for size, factor in zip(sizes, factors, strict=True)
+            for entry in ((size, factor), (LANES, 2.0 * factor), (LANES, 4.0 * factor))
+        ]  # fmt: skip
+        passes["answers"] = further_runs.get("the choice", [])
         left_out = {"plan", "simulate", "bounds"}
     else:
         passes["simulate"] = [(math.ceil(missing * runs), 1.0)]
@@ -171,17 +178,6 @@ def _stage_seconds(campaign: Campaign) -> dict[str, float]:
     times["figures"] += DRAWING * responses + RANGE * quantities
     times["page"] += RANGE * (responses + quantities)
     return times
-
-
-def _round_passes(campaign: Campaign) -> Passes:
-    """Runs of the rounds of an `accuracy`, each with twice the runs of the one before and a check
-    of mesh and step; of all after the first half of them the mesh is finer."""
-    passes: Passes = []
-    for i in range(ROUNDS):
-        factor = 4.0 if i > ROUNDS / 2 else 1.0
-        runs = min(count_first_runs(campaign.experiment) * 2**i, count_runs(campaign.experiment))
-        passes += [(runs, factor), (LANES, 2.0 * factor), (LANES, 4.0 * factor)]
-    return passes
 
 
 def _further_passes(campaign: Campaign) -> dict[str, Passes]:

@@ -15,19 +15,12 @@ import numpy as np
 from deployable.campaign.config.sections import Experiment, Jobs
 from deployable.campaign.files import ROLES
 from deployable.campaign.folder import Folder
-from deployable.campaign.plan.plan import (
-    FailedRun,
-    Plan,
-    PlannedRun,
-    RunAccount,
-    Runs,
-    read_plan,
-)
+from deployable.campaign.plan.plan import FailedRun, Plan, PlannedRun, RunAccount, Runs, read_plan
 from deployable.campaign.results.quantity_results import MAX_FIT_RUNS, FittedRuns, number
 from deployable.campaign.results.run_samples import open_samples
 from deployable.campaign.runs.batch import Simulation, complete_group
 from deployable.campaign.runs.progress import Notify
-from deployable.campaign.runs.results import RunRecord, groups_of, pad_events
+from deployable.campaign.runs.results import RunRecord, groups_of
 from deployable.campaign.runs.store import open_store
 
 # In unit coordinates: points nearer than this have one run, or need none of their own.
@@ -42,16 +35,6 @@ class FurtherRuns:
         self.experiment = experiment
         self.values: list[list[float]] = []
         self.records: list[RunRecord] = []
-
-    @property
-    def event_margins(self) -> np.ndarray:
-        """Margins (R, c) of the first event at each contact, stop or latch, NaN if not known."""
-        return np.array([record.event_margins for record in self.records])
-
-    @property
-    def events(self) -> np.ndarray:
-        """Events (R, e, 3) of the runs: time (s), what, and which way, padded with NaN."""
-        return pad_events([record.events for record in self.records])
 
     def add(self, model: Experiment, run: PlannedRun, record: RunRecord) -> None:
         """Add a run of a plan for `model`, an experiment that may have other intervals."""

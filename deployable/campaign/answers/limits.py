@@ -273,46 +273,36 @@ def _indices(result: LimitAssessment, name: str) -> tuple[int, ...]:
 
 
 def _judge_limits(
-    model: ModelEvaluator, result: LimitAssessment, limits: tuple[int, ...], shares: _Shares
-) -> dict:
-    """Return whether all, some or none of the box keeps chosen limits, which share, and what is
-    open. All is open where no run varies a parameter, as with runs of a user's own."""
-    row = _judge_runs(model, result, limits, shares)
-    if model.experiment.box.constant_names(model.points):
-        row["met"] = "undecided" if row["met"] == "all" else "some"
-        row["share_uncertainty"] = 1.0
-    return row
-
-
-def _judge_runs(
     model: ModelEvaluator, result: LimitAssessment, indices: tuple[int, ...], shares: _Shares
 ) -> dict:
-    """Judge limits as `_judge_limits` does, if the runs vary every parameter. Runs decide where
-    they agree with the surrogates up to the error. If no run keeps a limit, that proves nothing,
-    and the share is unknown."""
-    (fraction, open_), rows = shares[indices], list(indices)
-    is_met = result.margins[rows].min(axis=0) >= 0
+    """Return whether all, some or none of the box keeps chosen limits, which share, and what is
+    open. Runs decide where they agree with the surrogates up to the error. If no run keeps a limit,
+    that proves nothing, and the share is unknown. All is open where no run varies a parameter, as
+    with runs of a user's own."""
+    (share, open_), rows = shares[indices], list(indices)
+    is_met, has_failures = result.margins[rows].min(axis=0) >= 0, bool(len(model.failed_points))
     runs = len(model.distinct_rows) + model.rest_count + len(model.failed_points)
     # What so many runs in any places miss with a chance of 5 % is not excluded.
     bound = min(1.0, _RULE_OF_THREE / runs)
     is_open = (result.margins[i].min() >= 0 and not is_shown(model, result, i) for i in indices)
-    if len(model.failed_points) or any(is_open):
+    if has_failures or any(is_open):
         open_ = max(open_, bound)
-    row = {"share": fraction, "share_uncertainty": open_, "runs": runs}
-    if is_met.all() and not len(model.failed_points):
-        # Where surrogates break what all runs keep, no run shows it.
-        row["share_uncertainty"] = max(open_, 1.0 - fraction)
+    met = "some"
+    if is_met.all() and not has_failures:
         is_kept = min(result.worst[i][0] for i in indices) >= 0
         sure = is_kept and not open_ and all(is_shown(model, result, i) for i in indices)
-        if not sure:
-            row["share_uncertainty"] = max(row["share_uncertainty"], bound)
-        return {"met": "all" if sure else "undecided", **row, "share": 1.0 if is_kept else fraction}
-    if fraction > 0 or is_met.any():
-        return {"met": "some", **row}
-    violated_limits = [i for i in indices if not (result.margins[i] >= 0).any()]
-    if violated_limits and not any(is_refuted(model, result, i) for i in violated_limits):
-        return {"met": "some", **row, "share_uncertainty": 1.0}
-    return {"met": "none", **row}
+        # Where surrogates break what all runs keep, no run shows it.
+        open_ = max(open_, 1.0 - share, 0.0 if sure else bound)
+        met, share = "all" if sure else "undecided", 1.0 if is_kept else share
+    elif not (share > 0 or is_met.any()):
+        violated_limits = [i for i in indices if not (result.margins[i] >= 0).any()]
+        if violated_limits and not any(is_refuted(model, result, i) for i in violated_limits):
+            open_ = 1.0
+        else:
+            met = "none"
+    if model.experiment.box.constant_names(model.points):
+        met, open_ = "undecided" if met == "all" else "some", 1.0
+    return {"met": met, "share": share, "share_uncertainty": open_, "runs": runs}
 
 
 def _limit(model: ModelEvaluator, result: LimitAssessment, i: int, halves: np.ndarray) -> dict:

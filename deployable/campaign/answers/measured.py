@@ -64,6 +64,8 @@ def answer(
                 "worst": _worst(check, group, len(group) - 1, i, instant),
             })  # fmt: skip
     misfits = result.misfits()
+    hulls = [(test.name, single.hull) for test, single in zip(sources, singles, strict=True)
+             if not single.is_refuted]  # fmt: skip
     rows = {
         **_misfits(result),
         "explained": result.fractions[0],
@@ -74,14 +76,17 @@ def answer(
             {"name": test.name, **_misfits(single)}
             for test, single in zip(sources, singles, strict=True)
         ],
-        "disjoint": _disjoint_pairs(sources, singles),
+        "disjoint": [
+            [name, other] for (name, a), (other, b) in itertools.combinations(hulls, 2)
+            if (np.maximum(a[0], b[0]) > np.minimum(a[1], b[1])).any()
+        ],
         **_parameters(model, result, sources),
         **_describe_left(model, result, requirements, sources),
         "checks": checks,
         "tests": [t.describe(result, sources.index(t) if t in sources else None) for t in tests],
         "misfits": {"points": misfits[:, :-1].tolist(), "values": misfits[:, -1].tolist()},
         "runs": sum(test.runs for test in tests),
-    }
+    }  # fmt: skip
     write_result(model.folder.measured, json.dumps(rows, indent=1) + "\n")
 
 
@@ -211,19 +216,6 @@ def _misfits(result: Calibration) -> dict:
     }
 
 
-def _disjoint_pairs(tests: Sequence[_Test], singles: Sequence[Calibration]) -> list[list[str]]:
-    """Return the names of pairs of tests whose hulls do not overlap, though each is explained by
-    itself."""
-    pairs = itertools.combinations(
-        [(test.name, single.hull) for test, single in zip(tests, singles, strict=True)
-         if not single.is_refuted], 2,
-    )  # fmt: skip
-    return [
-        [name, other_name] for (name, hull), (other_name, other_hull) in pairs
-        if (np.maximum(hull[0], other_hull[0]) > np.minimum(hull[1], other_hull[1])).any()
-    ]  # fmt: skip
-
-
 def _worst(result: Calibration, tests: Sequence[_Test], t: int, i: int, instant: int) -> dict:
     test, residual = tests[t], float(result.residuals[t][i, instant])
     bands = residual / test.curves.bands[i, instant]
@@ -248,23 +240,17 @@ def _parameters(model: ModelEvaluator, result: Calibration, tests: Sequence[_Tes
             "best": float(box.from_unit(result.best)[j]) if j in axes else None,
             "seen": words.get((bool(sides[0]), bool(sides[1])), "none") if box.free[j] else "none",
         })  # fmt: skip
+    trade_offs = []
     values = box.from_unit(result.samples) if len(result.samples) > 8 else np.zeros((0, len(rows)))
-    columns = [*zip(experiment.intervals, values.T, strict=True)]
-    pairs = [(first, second) for i, second in enumerate(columns) for first in columns[:i]]
-    trade_offs = filter(None, itertools.starmap(_find_trade_off, pairs))
-    return {"parameters": rows, "trade_offs": list(trade_offs)}
-
-
-def _find_trade_off(first: tuple[str, np.ndarray], second: tuple[str, np.ndarray]) -> dict:
-    """Describe how two parameters, each a name and remaining values (S), depend on each other;
-    nothing if they hardly do."""
-    (name, values), (rival, rivals) = first, second
-    if not len(values) or not np.ptp(values) or not np.ptp(rivals):
-        return {}
-    correlation = float(np.corrcoef(values, rivals)[0, 1])
-    slope = float(correlation * rivals.std() / values.std())
-    row = {"names": [name, rival], "correlation": correlation, "slope": slope}
-    return row if abs(correlation) >= _STRONG else {}
+    columns = [*zip(experiment.intervals, values.T, strict=True)] if len(values) else []
+    for i, (rival, rivals) in enumerate(columns):
+        for name, column in columns[:i]:
+            if np.ptp(column) and np.ptp(rivals):
+                correlation = float(np.corrcoef(column, rivals)[0, 1])
+                slope = float(correlation * rivals.std() / column.std())
+                row = {"names": [name, rival], "correlation": correlation, "slope": slope}
+                trade_offs += [row] if abs(correlation) >= _STRONG else []
+    return {"parameters": rows, "trade_offs": trade_offs}
 
 
 def _describe_left(
@@ -328,8 +314,7 @@ def _judge_limit(spec: Any, lower: float, upper: float, error: float, happens: n
 
 
 def _next_tests(model: ModelEvaluator, curves: np.ndarray, tests: Sequence[_Test]) -> list[dict]:
-    """Find where the remaining runs (R, n, T) differ most: one row for each response, the largest
-    difference first."""
+    """Find where the remaining runs (R, n, T) differ most: a row for each response, most first."""
     bounds = read_bounds(model.folder, of_design=True)
     bands: dict = {}
     for test in tests:

@@ -64,8 +64,7 @@ class QuantityBounds:
     @property
     def error(self) -> float:
         """Larger of the errors of lower and upper bound, in the quantity's unit: by how much the
-        surrogate, or a search that did not end, leaves it possible that values lie beyond the
-        bound; NaN without a value."""
+        surrogate, or a search that did not end, may be beyond the bound; NaN without a value."""
         errors = [e.error for e in self.estimates]
         return max([*errors, *self.remainders]) if errors else np.nan
 

@@ -77,8 +77,7 @@ class _Parser(argparse.ArgumentParser):
 
 
 def _parser(is_stage: bool = False) -> argparse.ArgumentParser:
-    """Make the parser of all commands, or with `is_stage` that of the stages alone, which load only
-    what they need."""
+    """Make the parser of all commands; is_stage: of the stages alone, to load only these."""
     script = Path(sys.argv[0]).name
     program = PROGRAM if script.startswith(PROGRAM) else "python -m deployable"
     parser = _Parser(

@@ -14,6 +14,7 @@ from deployable.campaign.files import write_text
 from deployable.campaign.folder import CAMPAIGN
 from deployable.campaign.results.templates import environment
 from fpm.files.outcome import eventful
+from fpm.structures.plausible import run_duration
 
 SNAKEFILE = f'''\
 # The campaign of this folder: snakemake -c2
@@ -69,8 +70,7 @@ def make_folder(folder: str | Path, start: str) -> None:
 
 
 def _start_files(start: str) -> tuple[str, dict[str, Path]]:
-    """Return the text of the campaign, and the files of its structures by their names in the
-    folder."""
+    """Return the text of the campaign, and its structures' files by their names in the folder."""
     if start in list_starts() and (path := program_data.list_campaigns().get(start)):
         file = read_file(path).data["scene"].get("file")
         return path.read_text(encoding="utf-8"), {file: path.parent / file} if file else {}
@@ -89,8 +89,6 @@ def campaign_of(path: Path, name: str) -> str:
     interval of 1 % for the first real parameter that is not 0, speeds of all points and openings of
     all hinges, the times of its latches as quantities, and a requirement that all catch. Raises
     `CampaignError` if the structure cannot be read, or has no such parameter."""
-    from fpm.structures.plausible import run_duration  # 0.3 s, which no other command needs
-
     try:
         scene = scene_type("", str(path))
     except fpm.SceneError as error:

@@ -133,8 +133,7 @@ def check_config(raw: Mapping | str | Path, source: str = "the config") -> Campa
 
 
 def _find_causes(problems: list[str]) -> list[str]:
-    """Return the problems that follow neither from a key of their section, nor from a missing
-    one."""
+    """Return the problems that follow neither from a key of their section, nor a missing one."""
     pairs, causes = [problem.partition(":")[::2] for problem in problems], []
     keys = {f"{key}." for key, _ in pairs}
     for i, (key, text) in enumerate(pairs):

@@ -122,8 +122,7 @@ def _parts(hint: Any) -> tuple[Rule, Any]:
 
 
 def _take(hint: Any, value: Any) -> Any:
-    """The value as a type has it, NO_VALUE if it is none of it: no text for a number, no 2.0 for a
-    whole number."""
+    """Return the value as a type has it; NO_VALUE: a text is no number, 2.0 no whole number."""
     rule, hint = _parts(hint)
     kind, kinds = get_origin(hint), get_args(hint)
     if kind is tuple and isinstance(value, list):

@@ -13,6 +13,7 @@ from deployable.intervals.box import MOST_FULL
 from fpm.arithmetic.units import unit
 from fpm.reading.responses import Response
 from fpm.structures.curves_file import CurvesFile, CurvesFileError
+from fpm.structures.plausible import extent
 
 MOST_INSTANTS = 150  # measured instants of a test that are compared, evenly chosen
 
@@ -187,8 +188,6 @@ def measured_warnings(campaign: Campaign) -> Iterator[str]:
 
 def _usual_sizes(experiment: Experiment, response: Response) -> tuple[float, float, str]:
     """Between which sizes values of a response are expected, and why; 0, 0: nothing is known."""
-    from fpm.structures.plausible import extent  # scipy's graphs take 0.1 s to load
-
     scene = experiment.nominal_scene
     names = response.subjects if response.kind == "opening" else ()
     start = sum(abs(hinge.opening) for hinge in scene.hinges if hinge.name in names)

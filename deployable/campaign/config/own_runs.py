@@ -28,8 +28,7 @@ def file_digest(path: str | None) -> str:
 
 
 def key_problems(user_config: Mapping) -> Iterator[str]:
-    """Yield a sentence for each key of a config without defaults that does not go with its own
-    runs."""
+    """Yield a sentence for each key of a config without defaults that own runs exclude."""
     design = user_config.get("design", {})
     if kind := next((key for key in ("file", "values") if key in design), ""):
         keys = [f"design.{key}" for key in design if key != kind]

@@ -12,6 +12,7 @@ from deployable.campaign.text.numbers import code
 from fpm.elements import Latch, kinds_of
 from fpm.elements.openings.latch import SIDES
 from fpm.scenes.timestep import find_curve_step
+from fpm.structures.plausible import GIVES, extent, find_barrier, opening_text
 
 FEWEST = 20
 """Number of recorded instants below which curves are hardly resolved."""
@@ -29,8 +30,7 @@ the length of a curve that is no pulse, above which it is odd."""
 
 
 def experiment_warnings(experiment: Any) -> list[str]:
-    """Return sentences on intervals, design, instants and levels of an `Experiment` that are hardly
-    meant; [] if there is none."""
+    """List sentences on what of intervals, design, instants and levels is hardly meant."""
     checks = _interval_texts, _design_texts, _time_texts, _level_texts
     return [text for check in checks for text in check(experiment)]
 
@@ -39,8 +39,6 @@ def requirement_warnings(campaign: Any) -> list[str]:
     """Return sentences on limits of a `Campaign` that are hardly meant: those below what a quantity
     can be, times that no run can reach or none can exceed, lengths far beyond the structure's
     extent, angles of more than a turn without a motor; [] if there is none."""
-    from fpm.structures.plausible import extent
-
     experiment, texts = campaign.experiment, []
     duration, size = experiment.solver.duration, extent(experiment.nominal_scene)
     quantities = {quantity.name: quantity for quantity in experiment.quantity_list}
@@ -194,8 +192,6 @@ def _time_texts(experiment: Any) -> Iterator[str]:
 
 def _level_texts(experiment: Any) -> Iterator[str]:
     """Levels of openings that are in degrees, or that a latch or stop keeps them from."""
-    from fpm.structures.plausible import GIVES, find_barrier, opening_text
-
     scene = experiment.nominal_scene
     numbers = {hinge.name: number for number, hinge in enumerate(scene.hinges)}
     for quantity in experiment.quantity_list:

@@ -202,8 +202,7 @@ def show(value: Any) -> str:
 
 
 def sentence(key: str, error: Any) -> str:
-    """Write an error of `fpm` or `intervals`, which know value and allowed, as a message on a key
-    of the config."""
+    """Write an error of `fpm` or `intervals`, with value and allowed, as a message on a key."""
     return f"{key}: {show(error.value)} is not allowed; allowed: {error.allowed}"
 
 

@@ -175,8 +175,7 @@ def with_accuracy(config: Config, scene_type: Any) -> tuple[Config, Accuracy]:
 def intervals_of(
     specs: Mapping[str, IntervalSpec], scene_values: Mapping, scene_type: Any
 ) -> tuple[dict[str, Interval], list[str]]:
-    """Resolve the section `intervals` into numbers: returns the intervals by name, and a sentence
-    for each that cannot be used."""
+    """Resolve the section `intervals`: returns them by name, and a sentence for each bad one."""
     intervals: dict[str, Interval] = {}
     problems: list[str] = []
     for name, spec in specs.items():

@@ -50,6 +50,7 @@ from fpm.files.outcome import eventful
 from fpm.reading.margins import find_drives, read_label, travel_of
 from fpm.reading.quantity_definitions import parse
 from fpm.solver.pack import topology
+from fpm.structures.plausible import GIVES, find_barrier, opening_text
 from fpm.travel.components import springs_of
 
 EXCLUSIVE = ("design", "bounds", "held_out")
@@ -149,8 +150,6 @@ def _response_problems(campaign: Campaign, scene: Any, margins: Mapping) -> Iter
 def _travel_problems(experiment: Experiment) -> Iterator[str]:
     """Describe travels that the structure cannot make, at the nominal values and a few positions,
     or that a latch or a stop keeps well before their ends, and wrong evidence of a spring out."""
-    from fpm.structures.plausible import GIVES, find_barrier, opening_text
-
     scene = experiment.nominal_scene
     hinges = [hinge.name for hinge in scene.hinges]
     for curve in (curve for curve in experiment.response_list if curve.kind == "margin"):

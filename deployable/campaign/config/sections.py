@@ -46,11 +46,11 @@ from fpm.reading.quantity_definitions import parse
 from fpm.reading.shocks import warn
 from fpm.reading.variables import count_values
 from fpm.scenes.timestep import find_curve_step
+from fpm.structures.plausible import warnings
 from fpm.structures.reading import read_text
 
 ADAPTIVE, OWN_RUNS = "adaptive", "own"
-"""Methods of designs that no config names: of runs that an `accuracy` finds round by round, and of
-a user's own runs."""
+"""Methods of designs that no config names: of the rounds of an `accuracy`, and of own runs."""
 
 NAME, FREE_NAME, CAMPAIGN_NAME = (
     re.compile(get_args(kind)[1].pattern) for kind in (Name, FreeName, CampaignName)
@@ -203,8 +203,7 @@ class Experiment:
 
     @cached_property
     def peaks(self) -> list[Any]:
-        """Quantities that are read between the recorded instants, too: not a value at one of
-        these."""
+        """Quantities that are also read between recorded instants, so no value at one of these."""
         parts = (self.solver.instants - 1) / self.solver.duration
         peaks = [quantity for quantity in self.quantity_list if quantity.peak_column]
         return [
@@ -241,10 +240,7 @@ class Experiment:
 
     @property
     def warnings(self) -> list[str]:
-        """Texts on likely mistakes in the nominal structure, intervals, instants and levels; raises
-        `fpm.SceneError`."""
-        from fpm.structures.plausible import warnings  # scipy's graphs take 0.1 s to load
-
+        """Likely mistakes in structure, intervals, instants, levels; raises `fpm.SceneError`."""
         return warnings(self.nominal_scene, self.solver.duration) + experiment_warnings(self)
 
     @cached_property
@@ -418,8 +414,7 @@ def count_runs(experiment: Experiment) -> int:
 
 
 CHECK_POINTS = 8
-"""Places at which a check of an `accuracy` repeats runs for the responses: eight side by side cost
-what three do."""
+"""Places at which a check repeats runs for the responses: eight side by side cost what three do."""
 
 _FIRST_RUNS = 8  # of each interval
 

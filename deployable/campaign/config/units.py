@@ -92,8 +92,7 @@ class StatedUnits:
     def _number(
         self, text: str, number: str, name: str, symbol: str, path: tuple, key: Rule
     ) -> Any:
-        """Return a number in the unit `symbol`. If its unit does not fit, note the problem and
-        return the text."""
+        """Return a number in the unit `symbol`, or its text if the unit does not fit: a misfit."""
         hint, words = "", ", or in %" if symbol == "1" else f" ({symbol})"
         try:
             words += ", with or without a unit that fits" * (symbol != "1")

@@ -5,11 +5,13 @@ from __future__ import annotations
 import math
 import sys
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import fpm
+from deployable.campaign.config.check import load_config
 from deployable.campaign.config.loader import read, read_file
 from deployable.campaign.config.models import Display
 from deployable.campaign.config.sections import Experiment, scene_type
@@ -20,6 +22,7 @@ from deployable.campaign.plan.plan import choose_step
 from deployable.campaign.results.run_samples import check_mechanics, open_samples
 from deployable.campaign.runs.progress import warm_up
 from fpm.errors import SceneError
+from fpm.solver.motion import whole_motion
 from fpm.solver.simulate import HALVINGS
 
 if TYPE_CHECKING:
@@ -60,8 +63,6 @@ class SelectedRun:
     def motion(self, frames: int) -> xarray.Dataset:
         """Simulate the run and return its whole motion, a dataset as `fpm.solver.motion` makes it;
         frames: how many, evenly spread over time. Raises `CampaignError` if the run fails."""
-        from fpm.solver.motion import whole_motion
-
         options: dict[str, Any] = {"frames": frames, "attributes": [dict(self.attributes)]}
         try:
             (motion,) = whole_motion([self.scene], **options, **self._start())
@@ -124,9 +125,20 @@ def choose(
             f"--run {run} needs the folder of a campaign's results, not {source!r}, which has one "
             "run"
         )
-    if path.suffix in (".yaml", ".yml") and _is_campaign(path):
-        return _select_config(path, settings or {}, duration)
-    return _select_structure(source, settings or {}, 1.0 if duration is None else duration)
+    if path.suffix in (".yaml", ".yml"):
+        with suppress(ConfigError):  # a structure's reader says what is wrong
+            if "campaign" in read_file(path).data:
+                return _select_config(path, settings or {}, duration)
+    if not path.suffix and path.name != source:
+        raise CampaignError(
+            f"{source}: there is no such folder of results; `snakemake` or `python -m deployable "
+            "run` with the campaign makes them"
+        )
+    structure = scene_type(source, source if path.suffix else "")
+    scene = structure.build(**parse_values(settings or {}, structure))
+    limit, duration = fpm.SAFETY * fpm.find_stable_step(scene).step, duration or 1.0
+    step = fpm.divide_time(duration, INSTANTS, limit).step
+    return SelectedRun(structure.name, scene, duration, INSTANTS, step)
 
 
 def _select_results_run(folder: Folder, run: str) -> SelectedRun:
@@ -162,8 +174,6 @@ def _row(run: str, run_ids: list[str], nominal: int | None, folder: Folder) -> i
 
 
 def _select_config(path: Path, settings: Mapping[str, str], duration: float | None) -> SelectedRun:
-    from deployable.campaign.config.check import load_config
-
     experiment = load_config([path]).experiment
     if duration is not None:
         solver = experiment.solver
@@ -190,19 +200,6 @@ def _selected_run(
     return SelectedRun(name, experiment.build(values), *times, responses, *details)
 
 
-def _select_structure(source: str, settings: Mapping[str, str], duration: float) -> SelectedRun:
-    if not Path(source).suffix and Path(source).name != source:
-        raise CampaignError(
-            f"{source}: there is no such folder of results; `snakemake` or `python -m deployable "
-            "run` with the campaign makes them"
-        )
-    structure = scene_type(source, source if Path(source).suffix else "")
-    scene = structure.build(**parse_values(settings, structure))
-    limit = fpm.SAFETY * fpm.find_stable_step(scene).step
-    times = duration, INSTANTS, fpm.divide_time(duration, INSTANTS, limit).step
-    return SelectedRun(structure.name, scene, *times)
-
-
 def parse_values(settings: Mapping[str, str], structure: Any) -> dict[str, Any]:
     """Parse values of a structure's parameters, texts by name, as in a YAML file: `"2.5"`,
     `"true"`, `"3 mm"` in the parameter's unit. Raises `ConfigError` for a text that is no YAML."""
@@ -212,12 +209,3 @@ def parse_values(settings: Mapping[str, str], structure: Any) -> dict[str, Any]:
         unit = structure.parameters[name].unit if name in structure.parameters else ""
         values[name] = number_in(unit, value) if unit else value
     return values
-
-
-def _is_campaign(path: Path) -> bool:
-    """Return whether a YAML file is a campaign's, not a structure's, whose reader says what is
-    wrong."""
-    try:
-        return "campaign" in read_file(path).data
-    except ConfigError:
-        return False

@@ -12,6 +12,7 @@ import numpy as np
 
 from deployable.campaign.files import csv_text, whole_file, write_text
 from deployable.campaign.folder import MOST_PANELS, Folder
+from deployable.campaign.pictures.drawing import draw_moments
 from deployable.campaign.results.display import shown_bounds, shown_quantities, shown_table
 from deployable.campaign.results.figures import DATELESS, envelope, save, shares
 from deployable.campaign.results.quantity_results import QuantityResults
@@ -60,8 +61,7 @@ def tabulate_curves(outcome: Any, responses: Sequence[Any] = ()) -> dict[str, np
 
 
 def tabulate_runs(folder: Folder) -> list[list]:
-    """Make the table of a campaign's runs with a row of headings: id, role, parameters,
-    quantities."""
+    """Make the table of a campaign's runs, headings first: id, role, parameters, quantities."""
     with open_samples(folder) as samples:
         experiment, table = samples.experiment, samples.table
         fields = samples.ids(), samples.roles, table.values.tolist(), table.numbers
@@ -123,8 +123,6 @@ def write_figures(run: SelectedRun, folder: Path, frames: int) -> list[Path]:
 
 
 def _figures(run: SelectedRun, frames: int) -> Iterator[tuple[str, Any]]:
-    from deployable.campaign.pictures.drawing import draw_moments
-
     yield f"{run.name}-moments", draw_moments(run.motion(frames), width=PAGE)
     if not run.folder:
         return

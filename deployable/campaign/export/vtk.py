@@ -62,8 +62,7 @@ def write_vtk(motion: xarray.Dataset, path: Path) -> Path:
 
 
 def _axes(motion: xarray.Dataset, solid: Solid, frame: int) -> tuple[Any, list[tuple], dict]:
-    """Points, blocks of cells (kind, nodes, data) and data of points: particles, and elements as
-    lines."""
+    """Return particles, blocks of cells (kind, nodes, data; elements are lines), data of points."""
     position, axes = motion["position"].values[frame], motion["frame"].values[frame]
     nodes, width = solid.nodes, motion["section_size"].values
     radius = np.sqrt(width.prod(axis=1) / np.pi)  # of a circle of the same area
@@ -74,23 +73,16 @@ def _axes(motion: xarray.Dataset, solid: Solid, frame: int) -> tuple[Any, list[t
     np.maximum.at(at_points, nodes.ravel(), np.repeat(radius, 2))
     points = {"velocity": motion["velocity"].values[frame], "radius": at_points}
     points |= {f"axis_{name}": axes[:, :, k] for k, name in enumerate("xyz")}
-    y, z = _section_axes(solid.corners[frame][bars])
+    ends = solid.corners[frame][bars].reshape(-1, 2, 4, 3)
+    chord = ends[:, 1].mean(axis=1) - ends[:, 0].mean(axis=1)
+    chord /= np.linalg.norm(chord, axis=1, keepdims=True)
+    y = (ends[:, :, 1] + ends[:, :, 2] - ends[:, :, 0] - ends[:, :, 3]).sum(axis=1)  # of the width
+    y -= np.sum(y * chord, axis=1, keepdims=True) * chord
+    y /= np.linalg.norm(y, axis=1, keepdims=True)
     cells = {name: motion[name].values[frame][bars] for name in _ELEMENT_VARIABLES}
     cells |= {"bar": solid.bar[bars], "radius": radius, "section_size": width}
-    cells |= {"section_y": y, "section_z": z}
+    cells |= {"section_y": y, "section_z": np.cross(chord, y)}
     # Cells that are no elements have no strain.
     bare = {key: np.zeros((len(vertices), *x.shape[1:]), x.dtype) for key, x in cells.items()}
     blocks = [("line", nodes, cells), ("vertex", vertices[:, None], bare)]
     return position, [block for block in blocks if len(block[1])], points
-
-
-def _section_axes(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Unit vectors (m, 3) along width and height, normal to chords, from corners (m, 8, 3)."""
-    ends = corners.reshape(-1, 2, 4, 3)
-    chord = ends[:, 1].mean(axis=1) - ends[:, 0].mean(axis=1)
-    chord /= np.linalg.norm(chord, axis=1, keepdims=True)
-    width_axis = ends[:, :, 1] + ends[:, :, 2] - ends[:, :, 0] - ends[:, :, 3]
-    y = width_axis.sum(axis=1)
-    y -= np.sum(y * chord, axis=1, keepdims=True) * chord
-    y /= np.linalg.norm(y, axis=1, keepdims=True)
-    return y, np.cross(chord, y)

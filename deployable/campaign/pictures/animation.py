@@ -69,8 +69,7 @@ def _write_video(images: list[np.ndarray], path: Path) -> Path:
 
 
 def frames(motion: xarray.Dataset, by_stress: bool = False) -> Iterator[np.ndarray]:
-    """Draw the frames of a whole motion one after the other, as images (height, width, 3) of
-    bytes."""
+    """Draw the frames of a whole motion in turn, as images (height, width, 3) of bytes."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
     solid, view = solid_of_motion(motion), View()

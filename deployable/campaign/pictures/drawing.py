@@ -1,5 +1,4 @@
-"""A structure as it stands, with its points, joints, cables and supports, and at moments of its
-motion, side by side."""
+"""A structure as it stands, with points, joints, cables, supports, and at moments of its motion."""
 
 from pathlib import Path
 from typing import Any

@@ -77,8 +77,7 @@ def glb_of(motion: xarray.Dataset, small: bool = False) -> bytes:
 
 
 def _content(motion: xarray.Dataset, buffer: _Buffer, small: bool) -> dict[str, Any]:
-    """Return the JSON part: the particles' node, the mesh, then a node for each particle and
-    point."""
+    """Return the JSON part: the particles' node, the mesh, a node for each particle and point."""
     place = motion["position"].values @ TO_GLTF.T
     if small:
         quantum = np.ptp(place, axis=(0, 1)).max() / 65534 or 1.0

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from fpm.reading.bars import bar_of
+from fpm.solver.motion import section_corners, shapes_of, strands_of
 
 FACES = np.array([
     (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7),  # along the element
@@ -115,8 +116,6 @@ def values_in(motion: Any, name: str) -> np.ndarray:
 
 def solid_of_scene(scene: Any) -> Solid:
     """Make the `Solid` (hexahedra) of a structure, an `fpm.Scene`, where it starts: one moment."""
-    from fpm.solver.motion import section_corners, shapes_of, strands_of
-
     shapes = shapes_of(scene, section_corners(scene))
     beams = [(i, beam) for i, line in enumerate(strands_of(scene)) for beam in line.beams]
     return Solid(

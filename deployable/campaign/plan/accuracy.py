@@ -31,14 +31,7 @@ from deployable.campaign.plan.decide import (
     Resources,
 )
 from deployable.campaign.plan.jobs import LANES, run_seconds
-from deployable.campaign.plan.plan import (
-    Plan,
-    Round,
-    Rounds,
-    TimeStep,
-    choose_step,
-    make_plan,
-)
+from deployable.campaign.plan.plan import Plan, Round, Rounds, TimeStep, choose_step, make_plan
 from deployable.intervals.box import ROUNDING
 
 _CANDIDATES = 4096  # points at which the spline is asked for more
@@ -47,9 +40,8 @@ _CANDIDATES = 4096  # points at which the spline is asked for more
 def start_plan(experiment: Experiment) -> Plan:
     """Make the plan of round 0 of an `accuracy` (config). It has eight runs for each interval that
     has a width, fewer if `max_runs` leaves no room for them and a check: the nominal run, the
-    corners of the box if they are at most half of the runs, and points of a Sobol sequence. The
-    plan estimates errors of the mesh, or of the step if no parameter sets the mesh, or of both if
-    there is no other check."""
+    corners of the box if they are at most half of the runs, and points of a Sobol sequence. It
+    checks errors of the mesh, else of the step, and of both if there is no other check."""
     box, count = experiment.box, count_first_runs(experiment)
     points = intervals.make_design("sobol", box, samples=max(count - 1, 1)).points
     check: tuple[str, ...] = ("mesh",) if _has_mesh(experiment) else ("step",)
@@ -100,8 +92,7 @@ def extend_plan(experiment: Experiment, plan: Plan, samples: Any, bounds: Any) -
 def _plan(
     experiment: Experiment, points: list, rounds: tuple, check: tuple, time: TimeStep | None = None
 ) -> Plan:
-    """Return the plan of runs at unit points (n, k), with the last step if mesh and safety are
-    kept."""
+    """Return the plan of runs at unit points (n, k); time: step of the last plan if it is kept."""
     places = tuple(tuple(map(float, point)) for point in points)
     design = replace(experiment.design, points=places)
     plan = make_plan(replace(experiment, design=design), time=time)
@@ -109,8 +100,7 @@ def _plan(
 
 
 def _halve(solver: Solver, time: TimeStep) -> float:
-    """Return the safety factor that halves the step, which recorded instants may keep far below the
-    stable one."""
+    """Return the safety factor that halves the step, which recorded instants may keep small."""
     half, actual = solver.safety / 2, time.step / time.step_limit
     return half if half < actual else actual / 2
 
@@ -122,8 +112,7 @@ def _has_mesh(experiment: Experiment) -> bool:
 
 def _relative_errors(plan: Plan, bounds: Any, numbers: np.ndarray) -> dict[str, dict[str, float]]:
     """Return errors by component as fractions of widths: of responses by surrogate, step and mesh,
-    of quantities by step and mesh. Errors of step and mesh come from the last check. numbers (R,
-    q): quantities in runs."""
+    of quantities by step and mesh, from the last check. numbers (R, q): quantities in runs."""
     previous: Mapping[str, Mapping] = {}
     if plan.adaptive.rounds and plan.adaptive.rounds[-1].action in ("runs", "check"):
         previous = plan.adaptive.rounds[-1].shares

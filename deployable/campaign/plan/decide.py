@@ -40,8 +40,7 @@ CHECKED_RUNS = 14
 UNKNOWN = 1e6  # share of a width: an error that is not known, or larger
 
 ROUND, RUN_FILES = 0.5, 0.01
-"""Core seconds of a round beside its runs: a check that takes less is made at once; and of a run
-beside its integration."""
+"""Core seconds of a round beside its runs (a shorter check is made at once), of a run's file."""
 
 
 @dataclass(frozen=True)
@@ -63,14 +62,12 @@ class Resources:
     def need_of(self, action: str) -> tuple[int, float]:
         """Return the runs and the seconds of one core that an action takes: "check", or "runs",
         "step" or "mesh" with the checks of step and mesh during it and at the end."""
-        check_runs, time = self.check_runs, self.run_seconds
-        if action == "check":
-            return 2 * check_runs, 6 * check_runs * time
-        if action == "runs":
-            return self.next_runs + 2 * check_runs, (self.next_runs + 6 * check_runs) * time
-        if action == "step":
-            return self.nodes + 2 * check_runs, (2 * self.nodes + 12 * check_runs) * time
-        return self.nodes + 3 * check_runs, (4 * self.nodes + 40 * check_runs) * time
+        runs, cost, checks, check_cost = {
+            "check": (0, 0, 2, 6), "runs": (self.next_runs, 1, 2, 6),
+            "step": (self.nodes, 2, 2, 12), "mesh": (self.nodes, 4, 3, 40),
+        }[action]  # fmt: skip
+        seconds = (cost * runs + check_cost * self.check_runs) * self.run_seconds
+        return runs + checks * self.check_runs, seconds
 
 
 @dataclass(frozen=True)
@@ -101,8 +98,7 @@ class Errors:
 
     @property
     def surrogate(self) -> float:
-        """Return the error of the surrogate; 0 for quantities, which are bounded after the
-        rounds."""
+        """Error of the surrogate; 0 for quantities, which are bounded after the rounds."""
         return self.parts.get("surrogate", 0.0)
 
     @property
@@ -231,8 +227,7 @@ class RefinementState:
         return (action, cause) if is_needed else ("runs", "")
 
     def _stagnation(self, error: Errors) -> str:
-        """Say why more runs do not help: the error hardly fell with four times as many. Empty if it
-        did."""
+        """Say that the error hardly fell with four times as many runs; empty if it did."""
         nodes, value = self.cost.nodes, error.surrogate
         for record in self.state.rounds:
             if record.elements == self.cost.elements and 0 < _STAGNANT_RUNS * record.nodes <= nodes:
@@ -281,8 +276,7 @@ class RefinementState:
         return Decision("stop", f"{cause}: {unmet}. {takes}")
 
     def _takes(self, error: Errors) -> str:
-        """Estimate what would bring one error down to its tolerance, from how its parts fell so
-        far."""
+        """Say what would bring an error down to its tolerance, from how its parts fell so far."""
         if self._stagnation(error):
             return f"more runs do not help {error.name}"
         nodes, seconds, texts = self.cost.nodes, self.cost.run_seconds, []
@@ -304,8 +298,7 @@ class RefinementState:
         return f"{error.name} would take {need}, about {time} of a core"
 
     def _is_not_converging(self, error: Errors) -> bool:
-        """Return whether the mesh needed, by its last `_fall`, exceeds the budget, or it hardly
-        fell."""
+        """Return whether the mesh needed, by its `_fall`, exceeds the budget, or it hardly fell."""
         if (fall := self._fall(error)) is None or fall < _HARDLY:
             return fall is not None
         factor = sum(4.0**i for i in range(1, _halvings(error, fall) + 1))

@@ -55,8 +55,7 @@ def job_megabytes(campaign: Campaign) -> int:
 
 
 def seconds_of_run(campaign: Campaign, time: TimeStep | None = None) -> float:
-    """Estimate the core seconds of one of eight runs side by side on this machine. time: step of
-    the plan; None: it is chosen."""
+    """Estimate core seconds of one of eight runs side by side here. time: step; None: chosen."""
     experiment = campaign.experiment
     # Every call of Snakemake needs this, so the corners, with nearly the same step, are skipped.
     time = time or choose_step(experiment, corners=False)

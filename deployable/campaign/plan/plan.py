@@ -143,8 +143,7 @@ class Runs(Sequence[PlannedRun]):
 class RunAccount:
     """Account of the runs of a campaign beside those that are planned, so that a limit holds for
     all that make some. limit: most runs that it may count, infinite for none; known_ids: of runs
-    that are counted elsewhere. Attributes: `limit`, `ids`: names of all runs so far; `count`: runs
-    that were counted here."""
+    counted elsewhere. Attributes: `limit`; `ids`: of all runs so far; `count`: of those here."""
 
     def __init__(self, limit: float = math.inf, known_ids: Iterable[str] = ()) -> None:
         self.limit, self.count, self.ids = limit, 0, set(known_ids)

@@ -44,8 +44,13 @@ def panels(data: PageData) -> list[Panel]:
     free.sort(key=lambda k: -abs(coords[k][passes].mean() - coords[k][~passes].mean()))
     axes = sorted(free[:MOST_PARAMETERS])
     pairs: list[tuple] = [*combinations(axes, 2)] or [(axes[0], None)]
-    runs = _select_marks(passes)
-    return [_panel(data, coords, runs, *pair) for pair in pairs]
+    kinds, most = [np.flatnonzero(passes), np.flatnonzero(~passes)], MOST_MARKS // 2
+    counts = [max(most, MOST_MARKS - len(rest)) for rest in reversed(kinds)]
+    marks = [  # evenly chosen of those that meet all, then of others
+        runs[np.linspace(0, len(runs) - 1, min(count, len(runs))).round().astype(int)]
+        for runs, count in zip(kinds, counts, strict=True)
+    ]
+    return [_panel(data, coords, np.concatenate(marks), *pair) for pair in pairs]
 
 
 def _panel(data: PageData, coords: list, runs: np.ndarray, i: int, j: int | None) -> Panel:
@@ -68,16 +73,6 @@ def _panel(data: PageData, coords: list, runs: np.ndarray, i: int, j: int | None
     return Panel(data.parameters[i], y_axis, marks, frame, runs.tolist())
 
 
-def _select_marks(passes: np.ndarray) -> np.ndarray:
-    """At most `MOST_MARKS` runs (indices), evenly chosen: those that meet all, then others."""
-    kinds, most = [np.flatnonzero(passes), np.flatnonzero(~passes)], MOST_MARKS // 2
-    counts = [max(most, MOST_MARKS - len(rest)) for rest in reversed(kinds)]
-    sizes = [min(count, len(runs)) for runs, count in zip(kinds, counts, strict=True)]
-    spread = [np.linspace(0, len(r) - 1, n) for r, n in zip(kinds, sizes, strict=True)]
-    rows = zip(kinds, spread, strict=True)
-    return np.concatenate([runs[places.round().astype(int)] for runs, places in rows])
-
-
 def prices(facts: Mapping[str, Any]) -> list[Panel]:
     """Make plots of the trials of the best choice, which comes last: each of its (at most two)
     goals over the value of the one chosen parameter; of several parameters the second goal over the
@@ -88,32 +83,32 @@ def prices(facts: Mapping[str, Any]) -> list[Panel]:
     if choice is None:
         return []
     parameters, goals = choice["parameters"], choice["goals"]
-    best = {"values": [p["value"] for p in parameters], "goals": [g["value"] for g in goals]}
+    best = {"values": [p["value"] for p in parameters], "goals": [g["value"] for g in goals],
+            "kept": None}  # fmt: skip
     ends = [0.95 * facts["duration"] if g["units"] == "s" and g["end"] == "upper" else np.inf
             for g in goals]  # fmt: skip
     trials = [
-        trial for trial in (*choice["tried"], {**best, "kept": None})
+        trial for trial in (*choice["tried"], best)
         if (np.nan_to_num(np.array(trial["goals"], float), nan=np.inf) <= ends).all()
     ]  # fmt: skip
     columns = np.array([(t["values"][0], *t["goals"][:2]) for t in trials], float).T
     if len(trials) < 2 or not np.isfinite(columns).all():
         return []
-    axes = [{key: parameters[0][key] for key in ("name", "units")}]
-    for goal in goals[:2]:
-        name = f"{goal['quantity']} {_ENDS[goal['end']]}"
-        axes.append({"name": name, "units": goal["units"]})
-    shares = []
-    for axis, column in zip(axes, columns, strict=True):
-        axis |= {"lower": float(column.min()), "upper": float(column.max())}
-        shares.append(_scale(axis, column).tolist())
+    names = [parameters[0]["name"], *(f"{g['quantity']} {_ENDS[g['end']]}" for g in goals[:2])]
+    axes = [
+        {"name": name, "units": row["units"], "lower": float(column.min()),
+         "upper": float(column.max())}
+        for name, row, column in zip(names, (parameters[0], *goals[:2]), columns, strict=True)
+    ]  # fmt: skip
+    shares = [_scale(axis, column).tolist() for axis, column in zip(axes, columns, strict=True)]
     frame, (x, *ys) = None, range(len(axes))
     if len(parameters) > 1 and len(axes) > 2:
         x, *ys = ys
     elif len(parameters) == 1 and (safe := parameters[0]["safe"]) is not None:
         low, high = (float(_scale(axes[0], value)) for value in safe)
         frame = (low, 0.0), (high, 1.0)
-    names = [p["name"] for p in parameters]
-    values = [dict(zip(names, trial["values"], strict=True)) for trial in trials]
+    chosen_names = [p["name"] for p in parameters]
+    values = [dict(zip(chosen_names, trial["values"], strict=True)) for trial in trials]
     is_kept, is_near = [trial["kept"] for trial in trials], [True] * len(trials)
     return [
         Panel(axes[x], axes[y], [*zip(shares[x], shares[y], is_kept, is_near, strict=True)],

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from deployable.campaign.folder import Folder
+from deployable.campaign.results.bounds import write_dataset
 from deployable.campaign.results.response_bounds import read_bounds
 from deployable.campaign.results.run_samples import (
     RunSamples,
@@ -17,6 +18,7 @@ from deployable.campaign.results.run_samples import (
     read_refinement,
 )
 from fpm.files.seals import DamagedError, check
+from fpm.solver.motion import whole_motion
 from fpm.solver.simulate import HALVINGS
 
 MOST_MOVING = 24
@@ -110,7 +112,6 @@ def motions_of(samples: RunSamples, runs: Sequence[ShownRun], frames: int = 401)
     `fpm.InstabilityError` if one fails. frames: evenly spread over time, besides the instants at
     which a contact of the first run closes or opens. A run whose curves are not in `samples.nc`
     gets the variables `curves`, `impact` and `eventful`."""
-    from fpm.solver.motion import whole_motion
 
     def read_curves(outcome: Any) -> dict:
         curves = np.array([response.evaluate(outcome) for response in experiment.response_list])
@@ -150,8 +151,6 @@ def make_motions(path: str | Path, frames: int = 401) -> list[Path]:
     nominal run (or a scan's first). path: of the campaign's results; frames: of each motion.
     Damaged motions of other runs are removed. Raises `CampaignError` where structure or mechanics
     changed since the runs were made."""
-    from deployable.campaign.results.bounds import write_dataset
-
     folder = Folder(Path(path))
     runs = shown_runs(folder)
     with open_samples(folder) as samples:

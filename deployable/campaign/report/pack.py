@@ -87,7 +87,8 @@ def payload(data: PageData, arrays: _Arrays, frames: int | None = None) -> dict[
     """Make the page's data as a dict for JSON, in which a dict of kind, offset and count stands for
     each array in `arrays`. frames: number kept of each motion; None: all."""
     bounds = [c for r in data.responses for c in (r.lower, r.upper, r.upper - r.lower)]
-    keep = thin_curves(bounds)
+    keep, scales = thin_curves(bounds), [parameter["scale"] for parameter in data.parameters]
+    visible_runs = {0, *(m.run for m in data.moving)}
     return {
         "unsure": UNSURE,
         "metre": data.facts["metre"],
@@ -97,7 +98,11 @@ def payload(data: PageData, arrays: _Arrays, frames: int | None = None) -> dict[
             for p in data.parameters
         ],
         "responses": [_response(r, data, keep, arrays) for r in data.responses],
-        "runs": _runs(data),
+        "runs": [
+            {"id": run.id, "values": (run.values * scales).tolist(),
+             "events": [*run.events] if i in visible_runs else []}
+            for i, run in enumerate(data.runs)
+        ],
         "whatIf": _what_if(data, keep, arrays),
         "judged": {
             key: arrays.add(getattr(data.verdicts, key), kind)
@@ -123,22 +128,8 @@ def _response(
     return row
 
 
-def _runs(data: PageData) -> list[dict[str, Any]]:
-    scales = [parameter["scale"] for parameter in data.parameters]
-    visible_runs = {0, *(m.run for m in data.moving)}
-    return [
-        {
-            "id": run.id,
-            "values": (run.values * scales).tolist(),
-            "events": [*run.events] if i in visible_runs else [],
-        }
-        for i, run in enumerate(data.runs)
-    ]
-
-
 def _what_if(data: PageData, keep: np.ndarray, arrays: _Arrays) -> dict[str, Any] | None:
-    """Pack the fits for the page; a polynomial's constant, which is most of its value, in double
-    precision."""
+    """Pack the fits for the page; constants of polynomials, most of their values, as doubles."""
     if (model := data.what_if) is None:
         return None
     rows = [row for row in data.facts["quantities"] if row["name"] in model.quantities]
@@ -176,8 +167,7 @@ def _what_if(data: PageData, keep: np.ndarray, arrays: _Arrays) -> dict[str, Any
 
 def _choice_parameters(data: PageData) -> list[dict[str, Any]]:
     """Return the parameters of the sliders with a choice: those of the box, then others that are
-    chosen, each with what the choice's runs span and, of those that are chosen, the best
-    `value`."""
+    chosen, each with what the choice's runs span and, if it is chosen, the best `value`."""
     values = {p["name"]: p["value"] for p in data.facts["choice"]["parameters"]}
     rows = {p["name"]: p for p in (*data.facts["fixed"], *data.parameters)}
     return [

@@ -1,5 +1,4 @@
-"""Data of the page, and how they are read from a campaign's results, whose formats no other module
-of the report knows."""
+"""Data of the page, read from a campaign's results: no other module here knows their formats."""
 
 from __future__ import annotations
 
@@ -90,9 +89,8 @@ class PageData:
     """All that a campaign's page shows, as `from_results` reads it. facts: content of
     `summary.json` in the units of `display`, which responses and verdicts have, too; runs: the
     planned ones (of a large scan those that move), then further ones that move; moving: the nominal
-    one first, then those at which quantities and bounds are attained; omitted_runs: for whose
-    motion the page has no room; provenance: what computed the results; config: text; verdicts: None
-    without quantities."""
+    one first, then those at which quantities and bounds are attained; omitted_runs: of whose motion
+    there is no room; provenance: what computed results; verdicts: None without quantities."""
 
     facts: Mapping[str, Any]
     time: np.ndarray
@@ -130,6 +128,9 @@ class PageData:
         return [runs[int(i)] for i in indices] if runs else []
 
 
+MOST_RUNS = 10_000  # runs that a page has, with their parameters; of more, it has those that move
+
+
 def from_results(path: str | Path) -> PageData:
     """Read all data of a campaign's page. path: of the results' folder, with `samples.nc`,
     `bounds.nc` and `summary.json`, and for its quantities `refinement.nc`;
@@ -139,9 +140,18 @@ def from_results(path: str | Path) -> PageData:
     facts, bounds = read_json(folder / "summary.json"), read_bounds(folder)
     movers = shown_runs(folder)
     with open_samples(folder) as samples:
-        experiment, rows = samples.experiment, _rows(samples, movers)
+        experiment = samples.experiment
+        rows: Any = np.arange(len(samples))
+        if len(samples) > MOST_RUNS:
+            rows = np.array(sorted(run.row for run in movers if run.row is not None))
         copy, bounds = shown_facts(facts, experiment), shown_bounds(bounds, experiment.display)
-        runs, moving = _moving(folder, _runs(samples, rows), rows, movers)
+        pairs = zip(samples.ids(rows), rows, samples.events(rows), strict=True)
+        values, contacts = samples.table.values, samples.contacts
+        planned_runs = tuple(
+            PageRun(name, samples.roles[row], values[row], None, describe_events(e, contacts))
+            for name, row, e in pairs
+        )
+        runs, moving = _moving(folder, planned_runs, rows, movers)
         moving_ids = {runs[mover.run].id for mover in moving}
         data = PageData(
             facts=copy,
@@ -160,24 +170,6 @@ def from_results(path: str | Path) -> PageData:
     with_curves = (replace(run, curves=curves.get(i)) for i, run in enumerate(runs))
     what_if = _what_if(experiment, folder, facts)
     return replace(data, runs=tuple(with_curves), what_if=what_if)
-
-
-MOST_RUNS = 10_000  # runs that a page has, with their parameters; of more, it has those that move
-
-
-def _rows(samples: RunSamples, movers: Iterable[ShownRun]) -> Any:
-    """Places among the samples of the runs that the page has."""
-    if len(samples) <= MOST_RUNS:
-        return np.arange(len(samples))
-    return np.array(sorted(run.row for run in movers if run.row is not None))
-
-
-def _runs(samples: RunSamples, rows: Any) -> tuple[PageRun, ...]:
-    values, events = samples.table.values, samples.events(rows)
-    return tuple(
-        PageRun(name, samples.roles[row], values[row], None, describe_events(e, samples.contacts))
-        for name, row, e in zip(samples.ids(rows), rows, events, strict=True)
-    )
 
 
 def _moving(

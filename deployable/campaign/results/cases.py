@@ -195,8 +195,7 @@ def _severity(summaries: Mapping[str, Mapping]) -> Severity:
 
 
 def _is_same(row: Mapping, reference: Mapping, read: Callable[[Mapping], float]) -> bool:
-    """Return whether the numbers of two rows differ by no more than both errors, or are infinite
-    alike."""
+    """Return whether numbers of two rows differ by at most both errors, or are infinite alike."""
     first, last = read(row), read(reference)
     if math.inf in (abs(first), abs(last)):
         return first == last

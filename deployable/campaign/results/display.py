@@ -1,5 +1,4 @@
-"""Results in the units of a config's section `display`: copies for people of what files have in SI
-units."""
+"""Results in the units of a config's section `display`, for people; files have SI units."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -26,8 +25,7 @@ _OTHER_KEYS = re.compile(
 
 
 def shown_unit(units: str, display: Display) -> tuple[float, str]:
-    """Return the factor by which numbers in `units`, spelled as in files, become those shown, and
-    the units of these."""
+    """Return the factor from numbers in `units`, spelled as in files, to those shown, and units."""
     first, _, rest = units.replace("degree", "deg").partition(" ")
     for kind, names in _KINDS.items():
         name = getattr(display, kind)

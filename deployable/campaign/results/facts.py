@@ -100,8 +100,7 @@ def mark_constant(facts: dict) -> None:
     """Mark the responses and quantities of the facts that do not vary over the box: `constant`
     becomes True, `shares` is removed, `grade` "none", the `share` of each influence 0, that of the
     errors None. Their bounds differ by rounding alone: by at most `ROUNDING` times the largest
-    value that any of them with that unit has, at least 1 rad, 1 mm, the duration (s), or 1 rad or 1
-    mm per duration."""
+    value that any with that unit has, at least 1 rad, 1 mm, the duration, or these over it."""
     rows, duration = [*facts["responses"], *facts["quantities"]], facts["duration"]
     sizes = {"s": duration} | _SIZES
     sizes |= {f"{unit} s-1": size / duration for unit, size in _SIZES.items()}
@@ -173,8 +172,7 @@ def bounds_facts(
 
 
 def _structure(experiment: Any, parameters: list[dict]) -> dict[str, Any]:
-    """Describe the structure, its parameters that are not intervals, and the meaning of those that
-    are."""
+    """Describe the structure, its parameters that are no intervals, and the meaning of the rest."""
     definitions = experiment.scene_type.parameters
     for parameter in parameters:
         parameter["description"] = definitions[parameter["name"]].text

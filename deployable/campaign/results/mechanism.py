@@ -154,9 +154,8 @@ def travel_of(
     scenes: Iterable[Any], openings: Sequence[str], positions: Any, is_stowed: bool
 ) -> list[float] | None:
     """First and last opening (rad, m) of the travel of the joint that a margin follows, from the
-    start to the farthest latch, else the nearest stop, of all scenes; None without either.
-    openings: joints that move together, first the one followed; is_stowed: whether it begins at
-    `first`."""
+    start (is_stowed: `first`) to the farthest latch, else the nearest stop, of all scenes; None
+    without either. openings: joints that move together, first the one followed."""
     sign = 1.0 if positions.last > positions.first else -1.0
     side = "above" if sign > 0 else "below"
     starts, ends = [], []

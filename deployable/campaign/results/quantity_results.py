@@ -85,8 +85,7 @@ def _row(data: Mapping[str, Any], i: int, parameters: list[str], duration: float
 
 
 def whole_error(row: Mapping[str, Any]) -> float | None:
-    """Return the error of a quantity's interval, including mesh and step if these are known. row:
-    its dict (`QuantityResults`)."""
+    """Return the error of a quantity's interval (`row`), with mesh and step if these are known."""
     return row.get("errors", {}).get("whole", row["error"])
 
 
@@ -128,8 +127,7 @@ def fitted_rows(numbers: np.ndarray) -> np.ndarray:
 class FittedRuns(NamedTuple):
     """The R runs that surrogates of quantities rest on: `points`, `numbers`, `margins` as of
     `RunTable`. rest (S, q): quantities of the other runs of a large scan; refinement_count: how
-    many of the R runs, the last ones, the search for bounds added; failures: those runs that
-    failed, not among the R."""
+    many of the last runs the search for bounds added; failures: runs that failed, not in R."""
 
     points: np.ndarray
     numbers: np.ndarray

@@ -72,8 +72,7 @@ class ResponseBounds:
         return None if self.error is None or self.is_unknown(self.error.max()) else self.error
 
     def is_unknown(self, error: float) -> bool:
-        """Return whether an error of these bounds is not known: 0 by the growth of a scan's
-        bounds."""
+        """Return whether an error of these bounds is not known: 0 by the growth of a scan."""
         return self.kind.startswith("least") and not error
 
 

@@ -264,8 +264,7 @@ class _Sheet:
         return MET, f"{text}, by the allowable that the campaign states"
 
     def _side(self, name: str, limit: Mapping[str, Any]) -> int:
-        """Return whether a limit of a quantity bounds its response from above (1), from below (-1),
-        or not (0)."""
+        """Return the side from which a limit bounds a response: 1 (above), -1 (below), 0 (none)."""
         number = self._numbers[name]
         if number.response is None:
             return 0
@@ -371,8 +370,7 @@ class _Sheet:
         return _because(NOT_ANALYSED, "no quantity says whether it latches later")
 
     def _clearance(self, row: Mapping[str, Any]) -> Verdict:
-        """Return whether the least clearance is three times its tolerance, the width of its
-        interval."""
+        """Return whether the least clearance is three times its tolerance, its interval's width."""
         if self._numbers[row["name"]].kind != "smallest":
             return _because(NOT_ANALYSED, "the clearance needs its `smallest` value")
         error = whole_error(row)

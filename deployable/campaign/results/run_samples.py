@@ -64,8 +64,7 @@ def describe_failures(failures: Iterable[FailedRun], names: Iterable[str]) -> li
 
 
 def read_refinement(folder: Folder) -> tuple[RunTable, list[str], list[FailedRun]]:
-    """Read the runs that answers added, their ids, and those of them that failed, from a campaign's
-    `refinement.nc`."""
+    """Read the runs that answers added, their ids, and those that failed: of `refinement.nc`."""
     with open_netcdf(folder.refinement) as file:
         return RunTable.read(file), file["run_id"][:].tolist(), read_failures(file)
 
@@ -128,8 +127,7 @@ class RunSamples:
         return self._file["run_id"][:][rows].tolist()
 
     def count(self) -> dict[str, Any]:
-        """Count the different runs: all `runs`; `nodes`, that were fitted; `held_out`, which test
-        the fit."""
+        """Count different runs: all `runs`; `nodes`, that were fitted; `held_out`, as tests."""
         ids: dict[str, set] = {role: set() for role in ROLES}
         for role, run in zip(self.roles, self.ids(), strict=True):
             ids[role].add(run)

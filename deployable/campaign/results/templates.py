@@ -18,9 +18,8 @@ _FOLDERS = [Path(__file__).parents[1] / room for room in ("results", "report", "
 
 
 def environment(units: Iterable[str] = (), html: bool = False) -> Any:
-    """Make a jinja2 environment of the templates of this folder, `report/` and `cli/`. units:
-    spellings such as `m/s` that stay on one line with their number, in HTML; html: whether texts
-    are escaped for HTML."""
+    """Make a jinja2 environment of the templates of this folder, `report/` and `cli/`; html: of
+    HTML, which is escaped, and in which `units` such as `m/s` stay on a line with their number."""
     import jinja2
 
     class CompiledTemplates(jinja2.FileSystemBytecodeCache):
@@ -79,8 +78,7 @@ _SENTENCES = ("doubt", "headline", "notes", "text")
 
 
 def _escape(facts: Any, code: str = "") -> Any:
-    """Escape facts and names in them, so that Markdown shows them literally; code: what is not
-    escaped."""
+    """Escape facts and names in them, so that Markdown shows them literally; code: but for this."""
     if isinstance(facts, Mapping):
         return {
             _escape(key): _escape(value, "`" if key in _SENTENCES else "")

@@ -126,8 +126,7 @@ def _call(number: int) -> Any:
 def _simulate_groups(
     simulation: "Simulation", store: Any, work: Sequence[tuple[Runs, Runs]]
 ) -> tuple[int, list[FailedRun], np.ndarray]:
-    """Simulate and write the missing runs of groups; return their number, the failures and the
-    seconds."""
+    """Simulate and write the missing runs of groups; returns their number, failures, seconds."""
     runner = Simulation(simulation.plan, simulation.size, simulation.threads)
     lots = [missing for _, missing in work]
     for (group, _), results in zip(work, runner.run_lots(lots), strict=True):

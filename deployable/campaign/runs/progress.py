@@ -124,8 +124,7 @@ def report_step(
 
 
 def report_seconds(text: str, notify: Notify) -> AbstractContextManager[None]:
-    """Report, while the block runs, that a step goes on, with the seconds so far; text: what is
-    done."""
+    """Report, while the block runs, what is done (`text`), with the seconds so far."""
     return report_step(lambda seconds: f"{text}, {duration_text(seconds)}", notify)
 
 

@@ -57,9 +57,21 @@ def gather(
                 continue
             if "time" not in file.variables:
                 _define_curves(file, next(iter(records.values())), plan.experiment.intervals)
-            finest = min(finest, *(record.step for record in records.values()))
             pairs = sorted((row, id_) for id_ in records for row in rows[id_])
-            _write_rows(file, [row for row, _ in pairs], [records[id_] for _, id_ in pairs])
+            places, group_records = [row for row, _ in pairs], [records[id_] for _, id_ in pairs]
+            columns = {
+                "values": [record.values for record in group_records],
+                "overlap": [max(0.0, record.overlap) for record in group_records],
+                "event_margin": [record.event_margins for record in group_records],
+                "quantities": [record.numbers for record in group_records],
+                "margin": [record.margins for record in group_records],
+            }
+            for name in (name for name in columns if name in file.variables):
+                file[name][places] = np.stack(columns[name])
+            events = pad_events([record.events for record in group_records])
+            for column, name in enumerate(EVENT_VARIABLES):
+                file[name][places, : events.shape[1]] = events[..., column]
+            finest = min(finest, *(record.step for record in group_records))
         file.finest_step = finest
     if len(store.list_failures(unique)) > len(failures):  # of runs that were made again
         gather(plan, jobs, folder, path, notify)
@@ -128,16 +140,3 @@ def _write_names(file: Any, dimension: str, items: Sequence[Any]) -> None:
             columns[f"response_{side}"] = [np.nan if x is None else x for x in ends]
     for name, values in columns.items():
         create(file, _FILE, name, values)
-
-
-def _write_rows(file: Any, rows: list[int], records: Sequence[RunRecord]) -> None:
-    """Write the responses and events of some runs."""
-    file["values"][rows] = np.stack([record.values for record in records])
-    file["overlap"][rows] = [max(0.0, record.overlap) for record in records]
-    file["event_margin"][rows] = np.stack([record.event_margins for record in records])
-    events = pad_events([record.events for record in records])
-    for column, name in enumerate(EVENT_VARIABLES):
-        file[name][rows, : events.shape[1]] = events[..., column]
-    if len(records[0].numbers):
-        file["quantities"][rows] = np.stack([record.numbers for record in records])
-        file["margin"][rows] = np.stack([record.margins for record in records])

@@ -48,8 +48,7 @@ class Stage:
     when it runs) and `text` (a sentence). sections: names of the config sections that it depends
     on; takes: names of result files that it reads; leaves: function of a campaign that names those
     it writes, `{batch}` for the number of a batch; options: keys of `OPTIONS`; is_adaptive: True if
-    only campaigns with an `accuracy` have it, False if only others, None if all; draws: whether it
-    only shows results."""
+    only campaigns with an `accuracy` have it, False: only others; draws: whether it only shows."""
 
     name: str
     text: str
@@ -61,8 +60,7 @@ class Stage:
     draws: bool = False
 
     def work(self, folder: Folder, notify: Notify, **arguments: Any) -> None:
-        """Do the work of the stage; seals of its files say what they are made of only if `run`
-        calls this."""
+        """Do the work of the stage; only `run` has seals of its files say what they are of."""
         import_module(f"{__name__}.{self.name}").work(folder, notify, **arguments)
 
     def run(self, folder: Folder, notify: Notify, **arguments: Any) -> None:

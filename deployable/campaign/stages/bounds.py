@@ -19,8 +19,7 @@ def work(
 ) -> None:  # fmt: skip
     """Do the work of the stage `bounds`: write `samples.nc`, `surrogate.nc`, `design_bounds.nc`,
     with errors by mesh and step if `verify` or the plan asks, and `sensitivities.nc`. bundles: tar
-    files of runs to be extracted first. Raises `CampaignError` for a bundle that is none, and if
-    runs fail."""
+    files of runs to be extracted first. Raises `CampaignError` for others, and if runs fail."""
     unpack(bundles, folder.runs(jobs.keep))
     plan = read_plan(folder.plan)
     name = plan.experiment.name

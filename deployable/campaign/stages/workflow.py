@@ -117,8 +117,7 @@ class Workflow:
         return reasons
 
     def describe_foreign_results(self) -> list[str]:
-        """Warn, in sentences about what `stale` found, that results of other configs will be
-        replaced."""
+        """Warn in sentences that results of other configs, as `stale` found, will be replaced."""
         place, texts = self.folder.path.parent, []
         for config in sorted(self.foreign_configs) if self.config else ():
             paths = [Path(os.path.relpath(place / name)) for name in config.split(", ")]
@@ -173,9 +172,8 @@ class Workflow:
         return [str(self.folder / name) for name in names]
 
     def answer(self, figures: bool = True) -> list[str]:
-        """Return the campaign's answer, which is `summary.md` up to its first section, and, where
-        there is a page that `figures` kept up to date, a text that tells to open it; [] without a
-        summary."""
+        """Return the campaign's answer, `summary.md` up to its first section, and a text that tells
+        to open the page, if there is one that `figures` made; [] without a summary."""
         summary, report = self.folder / "summary.md", self.folder.report
         if not summary.exists():
             return []
@@ -263,7 +261,10 @@ def _run(workflow: Workflow, stale: Mapping[str, str], figures: bool, notify: No
     stages = stages_of(campaign)
     for stage in (stage for stage in stages if not stage.draws):
         if stage.name == "simulate":
-            is_remade |= _simulate(campaign, folder, notify)
+            batches = batch_count(campaign, len(read_plan(folder.plan).runs))
+            for batch in range(batches):
+                _stage(stage, campaign, folder, notify, batch=batch, batches=batches)
+                is_remade |= bool(read_json(folder.batch(batch))["simulated"])
         elif is_remade or not workflow.is_whole(stage, stale):
             _stage(stage, campaign, folder, notify)
             is_remade = True
@@ -277,14 +278,6 @@ def _run(workflow: Workflow, stale: Mapping[str, str], figures: bool, notify: No
     list(spread(_stage, last, (os.cpu_count() or 1) if is_alone else 1))
     for text in workflow.answer(figures):
         notify(text)
-
-
-def _simulate(campaign: Campaign, folder: Folder, notify: Notify) -> bool:
-    """Make the runs of a plan that are not there; whether there were any."""
-    batches = batch_count(campaign, len(read_plan(folder.plan).runs))
-    for batch in range(batches):
-        _stage(STAGES["simulate"], campaign, folder, notify, batch=batch, batches=batches)
-    return any(read_json(folder.batch(batch))["simulated"] for batch in range(batches))
 
 
 def _stage(

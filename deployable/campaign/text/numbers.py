@@ -12,8 +12,7 @@ _ANGLES = {"degree": "°", "rad": " rad"}
 
 
 def pretty(units: str) -> str:
-    """Write units as people do: `m s-1` as `m/s`, `kg m2 s-2` as `kg m²/s²`, `degree` as `deg`; no
-    unit as `1`."""
+    """Write units as people do: `m s-1` as `m/s`, `kg m2 s-2` as `kg m²/s²`; no unit as `1`."""
     numerator: list[str] = []
     denominator: list[str] = []
     for name, power in re.findall(r"([A-Za-z%]+)(-?[\d.]+)?", units):
@@ -147,8 +146,7 @@ def escape_text(text: str, code: str = "") -> str:
 
 
 def code(name: str) -> str:
-    """Put a name between backticks, in which Markdown shows it as code, unless it has signs that
-    mean something there."""
+    """Put a name between backticks, as code in Markdown, unless it has signs with a meaning."""
     return f"`{name}`" if re.fullmatch(r"\w[\w.-]*", name) else name
 
 

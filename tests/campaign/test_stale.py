@@ -161,7 +161,7 @@ def test_results_of_another_config_are_named_before_they_are_replaced(tmp_path, 
 
     def texts(workflow: Workflow) -> list[str]:
         workflow.stale()
-        return workflow.describe_foreign_results()
+        return [*workflow.describe_foreign_results()]
 
     (text,) = texts(other)
     assert f"results in {first.folder.path} belong to another config, a.yaml, and" in text

@@ -88,7 +88,7 @@ def test_shipped_campaigns_stated_with_units_are_the_same(path, monkeypatch):
     """And come back from JSON; nothing in them is warned of."""
     raw = in_folder(path, monkeypatch)
     expected = check_config(raw)
-    doubts = expected.experiment.warnings + requirement_warnings(expected)
+    doubts = [*expected.experiment.warnings, *requirement_warnings(expected)]
     assert [*doubts, *measured_warnings(expected)] == []
     rewriting = Rewriting(expected, copy.deepcopy(raw))
     assert sum(rewriting.count.values()) >= 2

@@ -1,7 +1,7 @@
 """From the quantities of all runs to their intervals, `quantities.nc`, with the further runs that
 their bounds take, `refinement.nc`; `files/variables.json` says what they hold."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -50,7 +50,7 @@ def answer(model: ModelEvaluator, requirements: Mapping[str, Mapping], verify: V
     finer = estimate_discretization_errors(model, bounds) if verify.discretization else {}
     columns = _columns(model, bounds, finer)
     if tolerances:
-        columns["search_end"] = _describe_ends(model, bounds, tolerances)
+        columns["search_end"] = [*_describe_ends(model, bounds, tolerances)]
     _write(model, "quantities.nc", columns, folder.quantities, "Intervals of quantities")
     runs, shape = model.refinements, (-1, model.points.shape[1])
     first = len(model.numbers) - len(runs)
@@ -85,22 +85,20 @@ def _write(model: ModelEvaluator, result: str, columns: dict, path: Path, title:
 
 def _describe_ends(
     model: ModelEvaluator, bounds: list[QuantityBounds], tolerances: list[float]
-) -> list[str]:
+) -> Iterator[str]:
     """Why the search for each quantity's bounds ended although an error was too large, and where
     runs are predicted worst; empty texts for the other quantities."""
     box, types = model.experiment.box, model.experiment.scene_type.parameters
     units = [{"name": name, "units": types[name].unit} for name in box.names]
     is_spent = min(model.max_refinements - len(model.refinements), model.account.allowance) < 1
     cause = "its runs are made" if is_spent else "more runs no longer lower its error"
-    texts = []
     for b, tolerance in zip(bounds, tolerances, strict=True):
-        texts.append("")
-        if b.surrogate.fit is not None and b.relative_error > tolerance:
-            fit = b.surrogate.fit
-            values = box.from_unit(fit.points[np.argmax(np.abs(np.nan_to_num(fit.left_out)))])
-            place = numbers.place(dict(zip(box.names, values, strict=True)), units)
-            texts[-1] = f"{cause}; runs are predicted worst about {place}"
-    return texts
+        if (fit := b.surrogate.fit) is None or not b.relative_error > tolerance:
+            yield ""
+            continue
+        values = box.from_unit(fit.points[np.argmax(np.abs(np.nan_to_num(fit.left_out)))])
+        place = numbers.place(dict(zip(box.names, values, strict=True)), units)
+        yield f"{cause}; runs are predicted worst about {place}"
 
 
 def _columns(

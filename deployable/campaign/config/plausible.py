@@ -29,17 +29,17 @@ SPARSEST, BRIEFEST = 30.0, 300.0
 the length of a curve that is no pulse, above which it is odd."""
 
 
-def experiment_warnings(experiment: Any) -> list[str]:
-    """List sentences on what of intervals, design, instants and levels is hardly meant."""
-    checks = _interval_texts, _design_texts, _time_texts, _level_texts
-    return [text for check in checks for text in check(experiment)]
+def experiment_warnings(experiment: Any) -> Iterator[str]:
+    """Yield sentences on what of intervals, design, instants and levels is hardly meant."""
+    for check in (_interval_texts, _design_texts, _time_texts, _level_texts):
+        yield from check(experiment)
 
 
-def requirement_warnings(campaign: Any) -> list[str]:
-    """Return sentences on limits of a `Campaign` that are hardly meant: those below what a quantity
+def requirement_warnings(campaign: Any) -> Iterator[str]:
+    """Yield sentences on limits of a `Campaign` that are hardly meant: those below what a quantity
     can be, times that no run can reach or none can exceed, lengths far beyond the structure's
-    extent, angles of more than a turn without a motor; [] if there is none."""
-    experiment, texts = campaign.experiment, []
+    extent, angles of more than a turn without a motor."""
+    experiment = campaign.experiment
     duration, size = experiment.solver.duration, extent(experiment.nominal_scene)
     quantities = {quantity.name: quantity for quantity in experiment.quantity_list}
     limits = [
@@ -56,27 +56,33 @@ def requirement_warnings(campaign: Any) -> list[str]:
             if end == "at_least":
                 is_sure = quantity.always_exists
                 verdict = "no run can break it" if is_sure else "it asks only that it happens"
-            texts.append(f"{key}: {limit:g}, but {quantity.name} is never below {least:g}, so that "
-                         f"{verdict}: take another limit")  # fmt: skip
+            yield (
+                f"{key}: {limit:g}, but {quantity.name} is never below {least:g}, so that "
+                f"{verdict}: take another limit"
+            )
         elif quantity.is_time and limit > duration:
             verdict = "none can meet it" if end == "at_least" else "all where it happens meet it"
-            texts.append(f"{key}: {limit:g} s, but runs end at {duration:g} s, so that {verdict}: "
-                         "take a longer solver.duration, or another limit")  # fmt: skip
+            yield (
+                f"{key}: {limit:g} s, but runs end at {duration:g} s, so that {verdict}: take a "
+                "longer solver.duration, or another limit"
+            )
         elif quantity.unit == "m" and abs(limit) > LARGEST * size > 0:
-            texts.append(f"{key}: {limit:g} m, but the structure's extent is {size:.4g} m: did you "
-                         f"mean {limit / 1000:g}, for {limit:g} mm?")  # fmt: skip
+            yield (
+                f"{key}: {limit:g} m, but the structure's extent is {size:.4g} m: did you mean "
+                f"{limit / 1000:g}, for {limit:g} mm?"
+            )
         elif quantity.unit == "rad":
-            texts += _turn_texts(key, limit, experiment)
+            yield from _turn_texts(key, limit, experiment)
         elif sign := _latch_sign(quantity, experiment.nominal_scene):
             counterpart = ("at_least", "at_most")[sign > 0]
             is_idle = end != counterpart and sign * limit < 0
             is_sized = any(x[1] == counterpart and x[2] is quantity for x in limits)
             if is_idle and not is_sized:
                 word = "positive" if sign > 0 else "negative"
-                texts.append(f"{key}: {limit:g}, but {quantity.name} is {word} as the latch stops "
-                             f"the joint, so that no run can break it: did you mean "
-                             f"{counterpart}: {-limit:g}?")  # fmt: skip
-    return texts
+                yield (
+                    f"{key}: {limit:g}, but {quantity.name} is {word} as the latch stops the joint, "
+                    f"so that no run can break it: did you mean {counterpart}: {-limit:g}?"
+                )
 
 
 def _latch_sign(quantity: Any, scene: Any) -> int:

@@ -241,7 +241,7 @@ class Experiment:
     @property
     def warnings(self) -> list[str]:
         """Likely mistakes in structure, intervals, instants, levels; raises `fpm.SceneError`."""
-        return warnings(self.nominal_scene, self.solver.duration) + experiment_warnings(self)
+        return [*warnings(self.nominal_scene, self.solver.duration), *experiment_warnings(self)]
 
     @cached_property
     def box(self) -> Any:

@@ -2,7 +2,7 @@
 `summary.schema.json` describes its keys (`$defs.cases`)."""
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from operator import itemgetter
 from typing import Any
 
@@ -48,8 +48,17 @@ def facts_of_cases(
 ) -> dict[str, Any]:
     """Collect what several results answer together as plain data. campaign: what they are of;
     folders, summaries, changes: where each is, its facts, what differs in it in words, by name."""
-    severity = _severity(summaries)
-    requirements = _requirements(summaries, severity)
+    sizes: dict[str, float] = {}  # largest levels of quantities
+    rows = (row for facts in summaries.values() for row in facts.get("requirements", ()))
+    for limit in (limit for row in rows for limit in row["limits"]):
+        sizes[limit["quantity"]] = max(sizes.get(limit["quantity"], 0.0), abs(limit["level"]))
+
+    def severity(limit: Mapping) -> tuple:
+        """A sort key, smallest for what decides: by verdict, margin over level, share, name."""
+        margin = _margin(limit) / (sizes[limit["quantity"]] or 1.0)
+        return GROUPS[limit["met"]], margin, limit["share"], limit["case"]
+
+    requirements = [*_requirements(summaries, severity)]
     verdicts = {name: facts.get("together") for name, facts in summaries.items()}
     notes: dict[str, list[str]] = {}
     answers: dict[str, dict[str, list[str]]] = {question: {} for question in _QUESTIONS}
@@ -80,7 +89,7 @@ def facts_of_cases(
             for name, child in folders.items()
         ],
         "requirements": requirements,
-        "quantities": _quantities(summaries),
+        "quantities": [*_quantities(summaries)],
         "together": {
             "met": combine_met(row["met"] for row in filter(None, verdicts.values())),
             "failing": _select_cases(verdicts, "none", "some"),
@@ -135,9 +144,8 @@ def _group(summaries: Mapping[str, Mapping], section: str) -> dict[str, dict[str
     return by_name
 
 
-def _requirements(summaries: Mapping[str, Mapping], severity: Severity) -> list[dict[str, Any]]:
+def _requirements(summaries: Mapping[str, Mapping], severity: Severity) -> Iterator[dict[str, Any]]:
     """Combine each requirement of any case over all of its cases."""
-    rows = []
     for name, by_case in _group(summaries, "requirements").items():
         limits: dict[tuple, dict[str, Mapping]] = {}
         for case, limit in ((case, x) for case, row in by_case.items() for x in row["limits"]):
@@ -146,13 +154,8 @@ def _requirements(summaries: Mapping[str, Mapping], severity: Severity) -> list[
             details = {**limit, "requirement": name, "case": case, "where": location}
             limits.setdefault(key, {})[case] = details
         comparisons = [_compare(group, [*summaries], severity) for group in limits.values()]
-        rows.append({
-            "name": name,
-            **_verdict(by_case),
-            "worst": min((limit["worst"] for limit in comparisons), key=severity),
-            "limits": comparisons,
-        })  # fmt: skip
-    return rows
+        worst = min((limit["worst"] for limit in comparisons), key=severity)
+        yield {"name": name, **_verdict(by_case), "worst": worst, "limits": comparisons}
 
 
 def _compare(limits: Mapping[str, Mapping], cases: list[str], severity: Severity) -> dict[str, Any]:
@@ -178,22 +181,6 @@ def _margin(limit: Mapping) -> float:
     return math.inf if limit["kept"] else -math.inf
 
 
-def _severity(summaries: Mapping[str, Mapping]) -> Severity:
-    """Return a sort key of limits, the smallest for what decides: verdict, margin as a share of the
-    largest level of its quantity, share, name."""
-    sizes: dict[str, float] = {}
-    rows = (row for facts in summaries.values() for row in facts.get("requirements", ()))
-    for limit in (limit for row in rows for limit in row["limits"]):
-        name = limit["quantity"]
-        sizes[name] = max(sizes.get(name, 0.0), abs(limit["level"]))
-    return lambda limit: (
-        GROUPS[limit["met"]],
-        _margin(limit) / (sizes[limit["quantity"]] or 1.0),
-        limit["share"],
-        limit["case"],
-    )
-
-
 def _is_same(row: Mapping, reference: Mapping, read: Callable[[Mapping], float]) -> bool:
     """Return whether numbers of two rows differ by at most both errors, or are infinite alike."""
     first, last = read(row), read(reference)
@@ -204,13 +191,12 @@ def _is_same(row: Mapping, reference: Mapping, read: Callable[[Mapping], float])
     )
 
 
-def _quantities(summaries: Mapping[str, Mapping]) -> list[dict[str, Any]]:
+def _quantities(summaries: Mapping[str, Mapping]) -> Iterator[dict[str, Any]]:
     """Return the interval of each quantity in each case, and over all."""
     keys = (
         "lower upper error units happens happens_uncertainty runs_without predicted_ends "
         "may_be_endless"
     )
-    rows = []
     for by_case in _group(summaries, "quantities").values():
         first = next(iter(by_case.values()))
         ends: dict[str, Any] = {}
@@ -223,7 +209,7 @@ def _quantities(summaries: Mapping[str, Mapping]) -> list[dict[str, Any]]:
             ends[f"{end}_cases"] = [
                 c for c, row in values.items() if _is_same(row, last, itemgetter(end))
             ]
-        rows.append({
+        yield {
             **{key: first[key] for key in ("name", "units", "long_name", "words") if key in first},
             **ends,
             "censored_cases": [case for case, row in by_case.items() if row["censored_at"]],
@@ -232,8 +218,7 @@ def _quantities(summaries: Mapping[str, Mapping]) -> list[dict[str, Any]]:
                 {key: by_case[case].get(key) for key in keys.split()} if case in by_case else None
                 for case in summaries
             ],
-        })  # fmt: skip
-    return rows
+        }
 
 
 def _changes_text(changes: Mapping[str, Any], facts: Mapping) -> str:

@@ -1,10 +1,10 @@
 """Results in the units of a config's section `display`, for people; files have SI units."""
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
-from typing import Any, NamedTuple, get_args, get_type_hints
+from typing import Any, get_args, get_type_hints
 
 import numpy as np
 
@@ -35,31 +35,31 @@ def shown_unit(units: str, display: Display) -> tuple[float, str]:
     return 1.0, units
 
 
-class _Conversion(NamedTuple):
-    """How to show results: scales: factors of parameters, by name; words: texts of quantities."""
+def _converter(
+    display: Display, scales: Mapping[str, float], words: Mapping[str, Mapping]
+) -> Callable:
+    """Make a function that converts results. scales: of parameters; words: of quantities."""
 
-    display: Display
-    scales: Mapping[str, float] = {}
-    words: Mapping[str, Mapping] = {}
-
-    def show(self, value: Any, key: str = "", scale: float = 1.0) -> Any:
+    def show(value: Any, key: str = "", scale: float = 1.0) -> Any:
         """Return what stands below a key, of numbers that are multiplied by `scale`. A mapping with
         units has a scale of its own, and gets it as `scale`."""
         if _OTHER_KEYS.match(key) and not (key == "bands" and isinstance(value, list)):
             return value
         if key in _PLACES:
-            return {n: x if x is None else x * self.scales[n] for n, x in value.items()}
+            return {n: x if x is None else x * scales[n] for n, x in value.items()}
         if isinstance(value, Mapping):
             unit_key = next((name for name in ("units", "unit") if name in value), "")
-            scale, units = shown_unit(value[unit_key], self.display) if unit_key else (scale, "")
-            row = {name: self.show(item, name, scale) for name, item in value.items()}
+            scale, units = shown_unit(value[unit_key], display) if unit_key else (scale, "")
+            row = {name: show(item, name, scale) for name, item in value.items()}
             if "words" in row and unit_key == "units":
-                row |= self.words[str(row.get("quantity", row.get("name")))]
+                row |= words[str(row.get("quantity", row.get("name")))]
             return row | {unit_key: units, "scale": scale} if unit_key else row
         if isinstance(value, list):
-            return [self.show(item, key, scale) for item in value]
+            return [show(item, key, scale) for item in value]
         is_number = type(value) in (int, float, np.ndarray) and scale != 1.0
         return value * scale if is_number else value
+
+    return show
 
 
 def shown_facts(facts: Mapping[str, Any], experiment: Experiment) -> dict[str, Any]:
@@ -76,13 +76,10 @@ def shown_facts(facts: Mapping[str, Any], experiment: Experiment) -> dict[str, A
     choice = facts.get("choice", {"parameters": ()})  # perhaps of a parameter that has no value
     rows = [*facts.get("fixed", ()), *facts["parameters"], *choice["parameters"]]
     scales = {row["name"]: shown_unit(row["units"], display)[0] for row in rows}
-    conversion = _Conversion(display, scales, words)
-    unshown_parts = {key: facts[key] for key in ("review", "mechanism") if key in facts}
-    result = {
-        key: conversion.show(x, key) for key, x in facts.items() if key not in unshown_parts
-    } | unshown_parts
-    result["deepest"] = conversion.show({"value": facts.get("overlap", 0.0), "units": "rad"})
-    result["metre"] = conversion.show({"value": 1.0, "units": "m"})
+    show, unshown_parts = _converter(display, scales, words), {"review", "mechanism"}
+    result = {key: x if key in unshown_parts else show(x, key) for key, x in facts.items()}
+    result["deepest"] = show({"value": facts.get("overlap", 0.0), "units": "rad"})
+    result["metre"] = show({"value": 1.0, "units": "m"})
     for trial in result.get("choice", {"tried": ()})["tried"]:
         sections = (("values", "parameters"), ("goals", "goals"), ("margins", "limits"))
         for key, section in sections:
@@ -103,7 +100,7 @@ def shown_quantities(results: QuantityResults, experiment: Experiment) -> Quanti
 
 def shown_bounds(bounds: CampaignBounds, display: Display) -> CampaignBounds:
     """Return bounds of responses, and the intervals of parameters, in the units of `display`."""
-    show = _Conversion(display).show
+    show = _converter(display, {}, {})
     rows = tuple(replace(row, **show(vars(row))) for row in bounds.responses)
     return replace(bounds, responses=rows, parameters=show(bounds.parameters))
 

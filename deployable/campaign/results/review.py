@@ -4,7 +4,7 @@ Nothing in it claims compliance: it says what an analysis of a model showed, of 
 row is met only where the numbers that it prints show it, with their errors."""
 
 import json
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -90,10 +90,9 @@ def as_csv(rows: Iterable[Mapping[str, str]], standard: str) -> str:
 BUDGET_HEADS = ("part", "class", "acts", "moment", "factor", "weighted")
 
 
-def budgets_of(facts: Mapping[str, Any]) -> list[dict[str, Any]]:
+def budgets_of(facts: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
     """Make a table for each torque margin of what drives and what resists where it is least: dicts
     of `title`, `heads`, `rows` (six texts each) and `sum`, a sentence."""
-    budgets = []
     for name, margin in facts["mechanism"]["margins"].items():
         budget = margin["budget"]
         unit = "N m" if margin["unit"] == "rad" else "N"
@@ -104,23 +103,22 @@ def budgets_of(facts: Mapping[str, Any]) -> list[dict[str, Any]]:
             for row in budget["rows"]
         ]  # fmt: skip
         place = numbers.place(margin["at"], facts["parameters"])
-        drives, minimum = (numbers.quantity(budget[key], unit, 6) for key in
-                            ("drives", "requirement"))  # fmt: skip
-        budgets.append({
-            "title": f"{name}: {edition_of(margin['standard'])}, {margin['evidence']}, "
-                     + f"own factors {', '.join(margin['own'])}, " * bool(margin["own"]) + "at "
-                     f"{numbers.quantity(budget['opening'], margin['unit'], 4)}"
-                     f"{', ' if place else ''}{place}",
-            "heads": [head + f" ({unit})" * (head in ("moment", "weighted"))
-                      for head in BUDGET_HEADS],
+        title = f"{name}: {edition_of(margin['standard'])}, {margin['evidence']}, "
+        title += f"own factors {', '.join(margin['own'])}, " * bool(margin["own"])
+        title += f"at {numbers.quantity(budget['opening'], margin['unit'], 4)}"
+        quotient = f"is {MOST:g} or more and counts as {MOST:g}"
+        if budget["margin"] < MOST:
+            quotient = f"= {numbers.number(budget['margin'], 4)}"
+        yield {
+            "title": ", ".join(filter(None, [title, place])),
+            "heads": [
+                head + f" ({unit})" * (head in ("moment", "weighted")) for head in BUDGET_HEADS
+            ],
             "rows": rows,
-            "sum": f"T = {drives} (the sum of the positive weighted moments), Tmin = {minimum} "
-                   "(that of the negative ones, without sign): "
-                   + (f"T/Tmin − 1 = {numbers.number(budget['margin'], 4)}."
-                      if budget["margin"] < MOST else
-                      f"T/Tmin − 1 is {MOST:g} or more and counts as {MOST:g}."),
-        })  # fmt: skip
-    return budgets
+            "sum": f"T = {numbers.quantity(budget['drives'], unit, 6)} (the sum of the positive "
+            f"weighted moments), Tmin = {numbers.quantity(budget['requirement'], unit, 6)} (that "
+            f"of the negative ones, without sign): T/Tmin − 1 {quotient}.",
+        }
 
 
 class _Sheet:
@@ -312,38 +310,33 @@ class _Sheet:
             if limit["kind"] == "at_least" and limit["level"] > 0 and own_state != MET:
                 text = f"own requirement {requirement}, {_describe_limit(limit, row['units'])}"
                 return _because(own_state, f"{text}; the margin is at least 0")
-        if reasons := self._open_travel(margin):
+        if reasons := [*self._open_travel(margin)]:
             analysed = _stretch((margin["first"], margin["last"]), margin["unit"])
             return _because(PARTIAL, f"met from {analysed}; {'; '.join(reasons)}")
         if "measurement" in margin["evidence"] or "test" in margin["evidence"]:
             text += ", if tests have confirmed the values behind the factors"
         return MET, text
 
-    def _open_travel(self, margin: Mapping[str, Any]) -> list[str]:
-        """List the reasons why a margin does not cover the whole travel."""
-        reasons, unit = [], margin["unit"]
+    def _open_travel(self, margin: Mapping[str, Any]) -> Iterator[str]:
+        """Yield the reasons why a margin does not cover the whole travel."""
         if margin["travel"] is None:
             names = " or ".join(margin["openings"])
-            reasons.append(f"no latch or stop of {names} states where its travel ends")
+            yield f"no latch or stop of {names} states where its travel ends"
         else:
-            (c, d), (a, b) = (
-                sorted(x) for x in (margin["travel"], (margin["first"], margin["last"]))
-            )
+            (a, b), (c, d) = sorted((margin["first"], margin["last"])), sorted(margin["travel"])
             room = 1e-6 * (d - c)
             if a > c + room or b < d - room:
-                reasons.append(f"the travel is {_stretch(margin['travel'], unit)}")
+                yield f"the travel is {_stretch(margin['travel'], margin['unit'])}"
         peers = [x for x in self.margins.values() if x["standard"] == margin["standard"]]
         openings = {name for peer in peers for name in peer["openings"]}
         if locks := [name for name in margin["locked"] if name not in openings]:
-            is_are = "is" if len(locks) == 1 else "are"
-            reasons.append(f"{', '.join(locks)} {is_are} held and not moved")
+            yield f"{', '.join(locks)} {'is' if len(locks) == 1 else 'are'} held and not moved"
         group = {margin["openings"][0], *margin["apart"]} if margin["apart"] else set()
         if group - {name for p in peers if not p["apart"] for name in p["openings"]}:
             names = " and ".join(name for name in margin["openings"] if name in group)
-            reasons.append(f"nothing couples {names}, so that each needs a margin of its own")
+            yield f"nothing couples {names}, so that each needs a margin of its own"
         if margin["weaker"]:
-            reasons.append(f"the structure's file counts {', '.join(margin['weaker'])}")
-        return reasons
+            yield f"the structure's file counts {', '.join(margin['weaker'])}"
 
     def _catches(self, row: Mapping[str, Any]) -> Verdict:
         """Return whether a latch catches."""

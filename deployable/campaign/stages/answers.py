@@ -74,7 +74,7 @@ def summarise(
             "head": sheet.head_of(facts, rows, review),
             "heads": sheet.HEADS,
             "rows": rows,
-            "budgets": sheet.budgets_of(facts),
+            "budgets": [*sheet.budgets_of(facts)],
         }
         write_result(folder / "review.csv", sheet.as_csv(rows, review))
         write_result(folder / "review.md", summary_text(facts, "review.md.jinja"))

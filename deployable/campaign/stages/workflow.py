@@ -6,7 +6,7 @@ import json
 import os
 import sys
 import threading
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from functools import cache
 from pathlib import Path
@@ -116,18 +116,17 @@ class Workflow:
                     self.foreign_configs |= {facts.get("config", "")} - {"", self.config}
         return reasons
 
-    def describe_foreign_results(self) -> list[str]:
+    def describe_foreign_results(self) -> Iterator[str]:
         """Warn in sentences that results of other configs, as `stale` found, will be replaced."""
-        place, texts = self.folder.path.parent, []
+        place = self.folder.path.parent
         for config in sorted(self.foreign_configs) if self.config else ():
             paths = [Path(os.path.relpath(place / name)) for name in config.split(", ")]
             if all(path.exists() for path in paths):  # else it was renamed
-                texts.append(
+                yield (
                     f"the results in {self.folder.path} belong to another config, "
                     f"{', '.join(map(str, paths))}, and will be replaced: to keep them, give one "
                     "of the configs another name (`campaign`)"
                 )
-        return texts
 
     def list_stages(self, is_incomplete: bool, figures: bool = True) -> list[str]:
         """List the names of the stages that `run` would do by the results that are there.

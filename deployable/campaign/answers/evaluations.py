@@ -20,7 +20,7 @@ from deployable.campaign.results.quantity_results import MAX_FIT_RUNS, FittedRun
 from deployable.campaign.results.run_samples import open_samples
 from deployable.campaign.runs.batch import Simulation, complete_group
 from deployable.campaign.runs.progress import Notify
-from deployable.campaign.runs.results import RunRecord, groups_of
+from deployable.campaign.runs.results import RunRecord, groups_of, pad_events
 from deployable.campaign.runs.store import open_store
 
 # In unit coordinates: points nearer than this have one run, or need none of their own.
@@ -35,6 +35,13 @@ class FurtherRuns:
         self.experiment = experiment
         self.values: list[list[float]] = []
         self.records: list[RunRecord] = []
+
+    @property
+    def events(self) -> tuple[np.ndarray, np.ndarray]:
+        """Events (R, e, 3) of the runs: time (s), what, and which way, padded with NaN; and margins
+        (R, c) of the first event at each contact, stop or latch, NaN if not known."""
+        events = pad_events([record.events for record in self.records])
+        return events, np.array([record.event_margins for record in self.records])
 
     def add(self, model: Experiment, run: PlannedRun, record: RunRecord) -> None:
         """Add a run of a plan for `model`, an experiment that may have other intervals."""

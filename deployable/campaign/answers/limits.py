@@ -287,22 +287,22 @@ def _judge_limits(
     is_open = (result.margins[i].min() >= 0 and not is_shown(model, result, i) for i in indices)
     if has_failures or any(is_open):
         open_ = max(open_, bound)
-    met = "some"
+    verdict = "some"
     if is_met.all() and not has_failures:
         is_kept = min(result.worst[i][0] for i in indices) >= 0
         sure = is_kept and not open_ and all(is_shown(model, result, i) for i in indices)
         # Where surrogates break what all runs keep, no run shows it.
         open_ = max(open_, 1.0 - share, 0.0 if sure else bound)
-        met, share = "all" if sure else "undecided", 1.0 if is_kept else share
+        verdict, share = "all" if sure else "undecided", 1.0 if is_kept else share
     elif not (share > 0 or is_met.any()):
         violated_limits = [i for i in indices if not (result.margins[i] >= 0).any()]
         if violated_limits and not any(is_refuted(model, result, i) for i in violated_limits):
             open_ = 1.0
         else:
-            met = "none"
+            verdict = "none"
     if model.experiment.box.constant_names(model.points):
-        met, open_ = "undecided" if met == "all" else "some", 1.0
-    return {"met": met, "share": share, "share_uncertainty": open_, "runs": runs}
+        verdict, open_ = "undecided" if verdict == "all" else "some", 1.0
+    return {"met": verdict, "share": share, "share_uncertainty": open_, "runs": runs}
 
 
 def _limit(model: ModelEvaluator, result: LimitAssessment, i: int, halves: np.ndarray) -> dict:

@@ -77,7 +77,7 @@ def answer(
             for test, single in zip(sources, singles, strict=True)
         ],
         "disjoint": [
-            [name, other] for (name, a), (other, b) in itertools.combinations(hulls, 2)
+            [name, peer] for (name, a), (peer, b) in itertools.combinations(hulls, 2)
             if (np.maximum(a[0], b[0]) > np.minimum(a[1], b[1])).any()
         ],
         **_parameters(model, result, sources),

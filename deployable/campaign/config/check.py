@@ -137,8 +137,8 @@ def _find_causes(problems: list[str]) -> list[str]:
     pairs, causes = [problem.partition(":")[::2] for problem in problems], []
     keys = {f"{key}." for key, _ in pairs}
     for i, (key, text) in enumerate(pairs):
-        has_cause = any(other != f"{key}." and other.startswith(f"{key}.") for other in keys)
-        is_told = text in [other for _, other in pairs[:i]] or {"quantities.", "responses."} & keys
+        has_cause = any(peer != f"{key}." and peer.startswith(f"{key}.") for peer in keys)
+        is_told = text in [cause for _, cause in pairs[:i]] or {"quantities.", "responses."} & keys
         if not has_cause and not (text.endswith("allowed: none") and is_told):
             causes.append(problems[i])
     return causes

@@ -25,6 +25,10 @@ CaseName = Annotated[str, Rule(
     pattern=r"(?!(all|batches|exports|extremes|figures|logs|motions|responses|rounds|trajectories)"
     r"$)[^\W_][\w -]{0,63}")]  # fmt: skip
 Share = Annotated[float, Rule(least=1e-4, most=1, unit="1")]
+_ShareOfOne = Annotated[
+    float,
+    Rule(text="Share of the width of one response or quantity.", least=1e-4, most=1, unit="1"),
+]
 OrAuto = Literal["auto"]
 StructureFile = Annotated[str, Rule("the path of a `.yaml` file", pattern=r"[^\0]*")]
 SceneValues = Annotated[
@@ -52,10 +56,9 @@ class Aim:
     """Share of the width, for all responses and quantities that `tolerance_by_name` does not
     name."""
     tolerance_by_name: Annotated[
-        dict[str, Annotated[float, Rule(text="Share of the width of one response or quantity.",
-                                       least=1e-4, most=1, unit="1")]],
+        dict[str, _ShareOfOne],
         Rule("a mapping from names of `responses` and `quantities` to numbers from 0.0001 to 1"),
-    ] = field(default_factory=dict)  # fmt: skip
+    ] = field(default_factory=dict)
     """Other shares for some responses and quantities, by their names."""
     max_runs: Annotated[int, Rule(least=1, most=4000)] = 1000
     """Most runs, of all meshes, including those of checks, of the ends of quantities and of a
@@ -249,6 +252,7 @@ class Limits:
 LIMITS = tuple(Limits.__dataclass_fields__)
 """Names of the limits of a quantity."""
 
+_Range = Annotated[Pair, Rule(PAIR, text="Range of the nominal value.", unit="parameter")]
 Goals = Annotated[
     str | Annotated[tuple[str, ...], Rule(most=2)],
     Rule("one or two of `upper(q)`, `lower(q)`, `width(q)`"),
@@ -262,10 +266,7 @@ class ChooseSection:
     simulated."""
 
     parameters: Annotated[
-        dict[
-            str, Annotated[Pair, Rule(PAIR, text="Range of the nominal value.", unit="parameter")]
-        ],
-        Rule("a mapping of 1 to 3 parameter names to `[lower, upper]`", most=3),
+        dict[str, _Range], Rule("a mapping of 1 to 3 parameter names to `[lower, upper]`", most=3)
     ] = field(default_factory=dict)
     """Ranges of the nominal values, by the scene's parameter names. An interval that is given as
     `relative` grows with the choice, any other keeps its width; a parameter without an interval is
@@ -409,6 +410,21 @@ def _definition(noun: str, example: str, **units: str) -> Rule:
 
 
 _OF_MARGINS = {"specified_acceleration": "rad/s2", "output_torque": "N m"}
+_RESPONSE = "`{distance: [B, D]}` or `{velocity: B, component: z}`"
+OneResponse = Annotated[dict[str, Any], _definition("response", _RESPONSE, at="1", **_OF_MARGINS)]
+_QUANTITY = (
+    "`{largest: vB}` or `{event: closes, number: 1}`, or an expression of others such as `t1 - t2`"
+)
+OneQuantity = Annotated[
+    dict[str, Any] | str,
+    _definition(
+        "quantity", _QUANTITY, at="s", **dict.fromkeys(("level", "about", "within"), "response")
+    ),
+]
+_MARGIN = "`{along: root, to: 90 deg, standard: ecss-e-st-33-01c}`"
+OneMargin = Annotated[dict[str, Any], _definition("margin", _MARGIN, **_OF_MARGINS)]
+OneTest = Annotated[MeasuredTest, Rule("a mapping with `file`, `columns` and `band`")]
+OneCase = Annotated[CaseSection, Rule("a mapping with `scene`, `file`, `solver` and `intervals`")]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -435,51 +451,17 @@ class Config:
     held_out: Annotated[int, Rule(least=0, most=10_000)] = 4
     """Extra runs that are kept out of the fit, to estimate its error. `sobol` does not use them."""
     responses: Annotated[
-        dict[
-            FreeName,
-            Annotated[dict[str, Any], _definition(
-                "response", "`{distance: [B, D]}` or `{velocity: B, component: z}`",
-                at="1", **_OF_MARGINS)],
-        ],
-        Rule("a mapping from at least one name (letters, digits, `_`) to "
-            "definitions"),
-    ]  # fmt: skip
+        dict[FreeName, OneResponse],
+        Rule("a mapping from at least one name (letters, digits, `_`) to definitions"),
+    ]
     """The curves to bound, by names of your own: distances, positions, velocities, openings,
     tensions, energies, forces, stresses and others (docs/responses.md). At least one is needed,
     unless there are `margins`."""
-    quantities: Annotated[
-        dict[
-            Name,
-            Annotated[
-                dict[str, Any] | str,
-                _definition(
-                    "quantity",
-                    "`{largest: vB}` or `{event: closes, number: 1}`, or an expression of others "
-                    "such as `t1 - t2`",
-                    at="s",
-                    **dict.fromkeys(("level", "about", "within"), "response"),
-                ),
-            ],
-        ],
-        Definitions,
-    ] = field(default_factory=dict)
+    quantities: Annotated[dict[Name, OneQuantity], Definitions] = field(default_factory=dict)
     """Numbers of a run to bound, by names of your own: peaks, final and mean values, values at a
     time, times of crossings and events, and arithmetic of these (docs/quantities.md). A run in
     which an event does not happen has no such number."""
-    margins: Annotated[
-        dict[
-            Name,
-            Annotated[
-                dict[str, Any],
-                _definition(
-                    "margin",
-                    "`{along: root, to: 90 deg, standard: ecss-e-st-33-01c}`",
-                    **_OF_MARGINS,
-                ),
-            ],
-        ],
-        Definitions,
-    ] = field(default_factory=dict)
+    margins: Annotated[dict[Name, OneMargin], Definitions] = field(default_factory=dict)
     """Torque or force margins over the travel of an opening moved quasi-statically, by names of
     your own (docs/review-sheet.md). Each adds a response over the opening, the quantity
     `<name>_least`, and, unless `requirements` name it, the requirement that this is at least 0.
@@ -514,22 +496,14 @@ class Config:
         ChooseSection, Rule("a mapping with `parameters`, and `minimise` or `maximise`")
     ] = ChooseSection()
     measured: Annotated[
-        dict[
-            FreeName, Annotated[MeasuredTest, Rule("a mapping with `file`, `columns` and `band`")]
-        ],
-        Rule("a mapping from names of tests to mappings"),
+        dict[FreeName, OneTest], Rule("a mapping from names of tests to mappings")
     ] = field(default_factory=dict)
     """Tests with measured curves, by names of your own. They narrow the box, or refute the
     model."""
     display: Display = Display()
     jobs: Jobs = Jobs()
     cases: Annotated[
-        dict[
-            CaseName,
-            Annotated[
-                CaseSection, Rule("a mapping with `scene`, `file`, `solver` and `intervals`")
-            ],
-        ],
+        dict[CaseName, OneCase],
         Rule("a mapping from names to what differs, such as `{on ground: {scene: {g: 9.81}}}`"),
     ] = field(default_factory=dict)
     """Variants of the campaign, by names of your own, such as `on ground` or `one spring out`. Each

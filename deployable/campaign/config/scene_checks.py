@@ -168,10 +168,12 @@ def _travel_problems(experiment: Experiment) -> Iterator[str]:
         inactive = list(experiment.responses[curve.name].get("without", ()))
         is_one = len(springs) > 1 and len(inactive) == 1 and inactive[0] in springs
         if "spring out" in curve.subjects and not is_one:
-            one = f"`without` one of {', '.join(springs)}" if len(springs) > 1 else "other evidence"
+            remedy = (
+                f"`without` one of {', '.join(springs)}" if len(springs) > 1 else "other evidence"
+            )
             yield (
                 f"{key}.evidence: 'spring out' is of one of several springs that drive, and "
-                f"{' and '.join(inactive) or 'nothing'} is out; allowed: {one}"
+                f"{' and '.join(inactive) or 'nothing'} is out; allowed: {remedy}"
             )
 
 

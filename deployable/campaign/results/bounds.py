@@ -12,7 +12,6 @@ from deployable.campaign.config.sections import OWN_RUNS, BoundsChoice, Experime
 from deployable.campaign.files import open_dataset, result_file
 from deployable.campaign.folder import Folder
 from deployable.campaign.provenance import as_attribute
-from deployable.campaign.runs.results import pad_events
 from fpm.files.seals import unseal
 
 
@@ -59,9 +58,7 @@ def include_runs(folder: Folder, runs: Any) -> None:
         wider = bounds
         if "models" in bounds.attrs:
             points = runs.experiment.box.to_unit(values)
-            events = pad_events([record.events for record in runs.records])
-            margins = np.array([record.event_margins for record in runs.records])
-            samples = intervals.add_runs(samples, points, values, curves, events, margins)
+            samples = intervals.add_runs(samples, points, values, curves, *runs.events)
             design = _design(samples, runs.experiment)
             wider = intervals.bounds_dataset(samples, design, model="auto")
             parts = [part for part in bounds.attrs.get("error_parts", []) if part != "surrogate"]

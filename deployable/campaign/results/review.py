@@ -64,7 +64,9 @@ def rows_of(facts: Mapping[str, Any], experiment: Any, standard: str) -> list[di
             margin = sheet.margins.get(row["name"])
             asks = "a margin of at least 0 over the full range of travel"
             names = {"clause": STANDARDS[margin["standard"]].title, "asks": asks} if margin else {}
-            rows += [names | other for other in sheet.quantity_rows(row, "margin" * bool(margin))]
+            rows += [
+                names | own_row for own_row in sheet.quantity_rows(row, "margin" * bool(margin))
+            ]
     return rows
 
 
@@ -175,15 +177,15 @@ class _Sheet:
         if topic and topic not in JUDGES and limits:
             return [self._row(row, self._approve(row, limit, topic), limit) for _, limit in limits]
         if topic in JUDGES:
-            verdict, judged = JUDGES[topic](self, row), None
+            verdict, clause_limit = JUDGES[topic](self, row), None
             if topic == "latches":
-                judged = next((entry for _, entry in limits if _is_there(entry)), None)
+                clause_limit = next((entry for _, entry in limits if _is_there(entry)), None)
             elif topic in ("margin", "failure"):
-                judged = self._limit_at_zero(name)
-            rows = [self._row(row, verdict, judged)]
+                clause_limit = self._limit_at_zero(name)
+            rows = [self._row(row, verdict, clause_limit)]
             if topic == "margin" and self.margins[name]["own"]:
                 rows[0] |= {"clause": "own", "asks": "a margin with the campaign's own factors"}
-            limits = [pair for pair in limits if pair[1] is not judged]
+            limits = [pair for pair in limits if pair[1] is not clause_limit]
         elif topic in ALLOWABLES:
             rows = [self._row(row, _because(NOT_ANALYSED, "no allowable was stated (at_most)"))]
         elif topic:

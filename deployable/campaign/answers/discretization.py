@@ -58,13 +58,9 @@ def check_bounds(
     dataset = intervals.add_errors(bounds, _curve_errors(model, bounds, components))
     if model.experiment.is_adaptive and model.experiment.quantities:
         errors = estimate_discretization_errors(model, converge_bounds(model, 0), components)
-        text = "error of the bounds by {}".format
-        dataset = dataset.assign(
-            {
-                f"quantity_error_{name}": ("quantity", e.max(axis=1), {"long_name": text(name)})
-                for name, e in errors.items()
-            }
-        )
+        for name, e in errors.items():
+            text = {"long_name": f"error of the bounds by {name}"}
+            dataset[f"quantity_error_{name}"] = "quantity", e.max(axis=1), text
     ids = " ".join(sorted(model.account.ids - known_ids))
     dataset = dataset.assign_attrs(check_runs=model.account.count, check_ids=ids)
     names = " and ".join(components)

@@ -147,10 +147,8 @@ class _Test:
         blank = np.full((len(self.rows), len(self.instants)), np.nan)
         curves = np.array([blank if r is None else r.values[self.rows] for r in records])
         least, largest = self.envelope
-        self.envelope = (
-            np.fmin(least, np.fmin.reduce(curves)),
-            np.fmax(largest, np.fmax.reduce(curves)),
-        )
+        lower, upper = np.fmin.reduce(curves), np.fmax.reduce(curves)
+        self.envelope = np.fmin(least, lower), np.fmax(largest, upper)
         return curves
 
     def describe(self, result: Calibration, index: int | None) -> dict:

@@ -180,11 +180,8 @@ def _travel_problems(experiment: Experiment) -> Iterator[str]:
 def _design_problems(campaign: Campaign) -> Iterator[str]:
     """Check that the disk has room for a large scan, that the design can be made, and that it has
     as many runs as the model of the bounds needs."""
-    experiment, design, box = (
-        campaign.experiment,
-        campaign.experiment.design,
-        campaign.experiment.box,
-    )
+    experiment = campaign.experiment
+    design, box = experiment.design, experiment.box
     if design.method == "sobol" and design.samples > LARGE:
         size, room = bytes_of_run(campaign), shutil.disk_usage(Path.cwd()).free
         if design.samples > (most := int(room / size)):

@@ -485,10 +485,8 @@ _TRAJECTORY_CURVES = 10  # of a trajectory, beside those of responses and hinges
 def bytes_of_run(campaign: Campaign) -> float:
     """Estimate the bytes on disk of one run: in the store (by `jobs.keep`) and `samples.nc`."""
     experiment = campaign.experiment
-    instants, responses = experiment.solver.instants, len(experiment.responses)
-    if campaign.jobs.keep == "responses":
-        return 8.0 * instants * responses
-    return 8.0 * instants * (count_curves(experiment) + responses)
+    curves = 0 if campaign.jobs.keep == "responses" else count_curves(experiment)
+    return 8.0 * experiment.solver.instants * (curves + len(experiment.responses))
 
 
 MOST_NUMBERS = 2**27  # numbers recorded of the runs that are integrated side by side: 1 GiB

@@ -154,23 +154,19 @@ def _select_results_run(folder: Folder, run: str) -> SelectedRun:
         nominal, values, run_ids = samples.nominal, samples.table.values, samples.ids()
         experiment, mechanics, step = samples.experiment, samples.mechanics, samples.time_step
     check_mechanics(experiment, mechanics, folder)
-    row = _row(run, run_ids, nominal, folder)
-    point = dict(zip(experiment.intervals, values[row].tolist(), strict=True))
-    return _selected_run(experiment, point, step, run, folder, run_id=run_ids[row])
-
-
-def _row(run: str, run_ids: list[str], nominal: int | None, folder: Folder) -> int:
-    """Place of a run among the samples."""
-    if run == "nominal" and nominal is not None:
-        return nominal
     matches = {name for name in run_ids if run and name.startswith(run)}
-    if len(matches) != 1:
+    if run == "nominal" and nominal is not None:
+        row = nominal
+    elif len(matches) == 1:
+        row = run_ids.index(matches.pop())
+    else:
         problem = "several runs begin with" if matches else "there is no run"
         raise CampaignError(
             f"{folder.path}: {problem} {run!r}; allowed: nominal, or an id of {len(set(run_ids))} "
             f"runs, e.g. {', '.join(list(dict.fromkeys(run_ids))[:3])}"
         )
-    return run_ids.index(matches.pop())
+    point = dict(zip(experiment.intervals, values[row].tolist(), strict=True))
+    return _selected_run(experiment, point, step, run, folder, run_id=run_ids[row])
 
 
 def _select_config(path: Path, settings: Mapping[str, str], duration: float | None) -> SelectedRun:

@@ -166,21 +166,17 @@ class VariableSpec(NamedTuple):
 def variables_of(result: str) -> dict[str, VariableSpec]:
     """Variables of a result by name of its file; {} for one of which nothing is stated."""
     variables: dict[str, VariableSpec] = {}
-    for row in _tables().get(result, ()):
+    text = Path(__file__).with_name("variables.json").read_text(encoding="utf-8")
+    for row in json.loads(text).get(result, ()):
         if isinstance(row, str):
             variables |= variables_of(row)
             continue
-        dims, content, names, units, text = (*row, "", "")[:5]
+        dims, content, names, units, long_name = (*row, "", "")[:5]
         attributes = {"units": units} if units else {}
-        attributes |= {"long_name": text} if text else {}
+        attributes |= {"long_name": long_name} if long_name else {}
         spec = VariableSpec(tuple(dims.split()), content, attributes)
         variables |= dict.fromkeys(names.split(), spec)
     return variables
-
-
-@cache
-def _tables() -> dict[str, list]:
-    return json.loads(Path(__file__).with_name("variables.json").read_text(encoding="utf-8"))
 
 
 def create(

@@ -44,10 +44,11 @@ def start_plan(experiment: Experiment) -> Plan:
     checks errors of the mesh, else of the step, and of both if there is no other check."""
     box, count = experiment.box, count_first_runs(experiment)
     points = intervals.make_design("sobol", box, samples=max(count - 1, 1)).points
-    check: tuple[str, ...] = ("mesh",) if _has_mesh(experiment) else ("step",)
+    has_mesh = experiment.scene_type.mesh is not None  # free or given
+    check: tuple[str, ...] = ("mesh",) if has_mesh else ("step",)
     accuracy, check_runs = experiment.accuracy, count_check_runs(experiment)
     if accuracy.max_runs - accuracy.reserve - count < 3 * check_runs:  # no second check
-        check = tuple(part for part in COMPONENTS if part != "mesh" or _has_mesh(experiment))
+        check = COMPONENTS if has_mesh else ("step",)
     return _plan(experiment, points.tolist(), (), check)
 
 
@@ -85,7 +86,8 @@ def extend_plan(experiment: Experiment, plan: Plan, samples: Any, bounds: Any) -
     elif decision.action == "step":
         solver = replace(base.solver, safety=_halve(base.solver, plan.time))
         finer = replace(base, solver=replace(solver, peak_instants=MOST_INSTANTS))  # at all steps
-    check = tuple(part for part in decision.check if part != "mesh" or _has_mesh(base))
+    lacking = () if base.scene_type.mesh is not None else ("mesh",)
+    check = tuple(part for part in decision.check if part not in lacking)
     return _plan(finer, points, rounds, check, plan.time if finer is base else None)
 
 
@@ -103,11 +105,6 @@ def _halve(solver: Solver, time: TimeStep) -> float:
     """Return the safety factor that halves the step, which recorded instants may keep small."""
     half, actual = solver.safety / 2, time.step / time.step_limit
     return half if half < actual else actual / 2
-
-
-def _has_mesh(experiment: Experiment) -> bool:
-    """Return whether a parameter sets the mesh, be it free or given."""
-    return experiment.scene_type.mesh is not None
 
 
 def _relative_errors(plan: Plan, bounds: Any, numbers: np.ndarray) -> dict[str, dict[str, float]]:

@@ -83,8 +83,8 @@ def prices(facts: Mapping[str, Any]) -> list[Panel]:
     if choice is None:
         return []
     parameters, goals = choice["parameters"], choice["goals"]
-    best = {"values": [p["value"] for p in parameters], "goals": [g["value"] for g in goals],
-            "kept": None}  # fmt: skip
+    values, goal_values = ([row["value"] for row in rows] for rows in (parameters, goals))
+    best = {"values": values, "goals": goal_values, "kept": None}
     ends = [0.95 * facts["duration"] if g["units"] == "s" and g["end"] == "upper" else np.inf
             for g in goals]  # fmt: skip
     trials = [
@@ -108,11 +108,11 @@ def prices(facts: Mapping[str, Any]) -> list[Panel]:
         low, high = (float(_scale(axes[0], value)) for value in safe)
         frame = (low, 0.0), (high, 1.0)
     chosen_names = [p["name"] for p in parameters]
-    values = [dict(zip(chosen_names, trial["values"], strict=True)) for trial in trials]
+    chosen_values = [dict(zip(chosen_names, trial["values"], strict=True)) for trial in trials]
     is_kept, is_near = [trial["kept"] for trial in trials], [True] * len(trials)
     return [
         Panel(axes[x], axes[y], [*zip(shares[x], shares[y], is_kept, is_near, strict=True)],
-              frame, values)
+              frame, chosen_values)
         for y in ys
     ]  # fmt: skip
 

@@ -193,10 +193,7 @@ def _is_same(row: Mapping, reference: Mapping, read: Callable[[Mapping], float])
 
 def _quantities(summaries: Mapping[str, Mapping]) -> Iterator[dict[str, Any]]:
     """Return the interval of each quantity in each case, and over all."""
-    keys = (
-        "lower upper error units happens happens_uncertainty runs_without predicted_ends "
-        "may_be_endless"
-    )
+    keys = "lower upper error units happens happens_uncertainty runs_without predicted_ends"
     for by_case in _group(summaries, "quantities").values():
         first = next(iter(by_case.values()))
         ends: dict[str, Any] = {}
@@ -215,7 +212,9 @@ def _quantities(summaries: Mapping[str, Mapping]) -> Iterator[dict[str, Any]]:
             "censored_cases": [case for case, row in by_case.items() if row["censored_at"]],
             "never": [case for case, row in by_case.items() if row["lower"] is None],
             "by_case": [
-                {key: by_case[case].get(key) for key in keys.split()} if case in by_case else None
+                {key: by_case[case].get(key) for key in (*keys.split(), "may_be_endless")}
+                if case in by_case
+                else None
                 for case in summaries
             ],
         }

@@ -125,13 +125,12 @@ def test_what_does_not_happen_meets_only_a_wish_for_that():
 def test_the_runs_at_the_ends_of_quantities_move(folder):
     make_motions(folder, frames=11)
     data = from_results(folder)
-    nominal, *others = data.moving
+    nominal, *others = (data.runs[i] for i in data.moving)
     assert nominal.label == "nominal run"
     with xarray.open_dataset(folder / "quantities.nc") as found:
         for what in ("earliest", "latest"):
-            (shown,) = [each for each in others if f"{what} t_open" in each.label]
+            (run,) = [each for each in others if f"{what} t_open" in each.label]
             end = found["argmin" if what == "earliest" else "argmax"].sel(quantity="t_open").values
-            run = data.runs[shown.run]
             np.testing.assert_allclose(run.values, end, rtol=1e-12)
             (opening,) = curves_in(folder / "trajectories")[run.id].openings.values()
             # Its step is that of the run but for rounding, as nothing is read between instants.

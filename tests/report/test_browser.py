@@ -54,7 +54,7 @@ def test_the_slider_moves_structure_and_cursor(window):
 
 def test_points_are_seen_where_the_motion_has_them(window, data):
     """Names stand 16 pixels beside the points that are seen from where the picture says it is."""
-    motion = data.moving[0].motion
+    motion = data.moving[0]
     box = window.ask("[view.clientWidth, view.clientHeight]")
     names = window.ask(
         "[...document.querySelectorAll('#picture .name')].map(({ textContent, style }) =>"

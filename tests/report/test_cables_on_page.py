@@ -51,7 +51,7 @@ def data(folder):
 
 
 def test_the_motion_has_the_cables_points_and_tensions(data):
-    motion = data.moving[0].motion
+    motion = data.moving[0]
     assert motion["cable"].values.tolist() == ["tight", "slack"]
     assert motion["cable_point_cable"].values.tolist() == [0, 0, 1, 1]
     on, arms = motion["cable_point_particle"].values, motion["cable_point_arm"].values
@@ -62,15 +62,15 @@ def test_the_motion_has_the_cables_points_and_tensions(data):
     tension = motion["cable_tension"].values
     assert tension[0].tolist() == pytest.approx([23.0, 0.0])
     assert tension[:, 1].max() > 100
-    nominal = data.runs[data.moving[0].run].curves[0]
+    nominal = data.runs[0].curves[0]
     kept = np.searchsorted(data.time, motion["time"].values - 1e-9)
     assert np.array_equal(nominal[kept], tension[:, 1])
 
 
 @pytest.mark.skipif(bool(MISSING), reason=f"not installed: {', '.join(MISSING)}")
 def test_the_page_draws_them(folder, data):
-    without = [m.motion.drop_dims(["cable", "cable_point"]) for m in data.moving]
-    bare = replace(data, moving=tuple(map(replace_motion, data.moving, without)))
+    without = {i: m.drop_dims(["cable", "cable_point"]) for i, m in data.moving.items()}
+    bare = replace(data, moving=without)
     key = "document.getElementById('cables')?.textContent ?? ''"
     seen = {}
     with Browser() as browser:
@@ -83,7 +83,3 @@ def test_the_page_draws_them(folder, data):
             seen[name] = browser.ask("document.getElementById('view').toDataURL()")
             assert browser.errors() == []
     assert seen["with"] != seen["without"]
-
-
-def replace_motion(moving, motion):
-    return replace(moving, motion=motion)

@@ -83,9 +83,9 @@ def test_bounds_in_the_page_are_exact(page, data):
 
 def test_the_page_moves_the_files_that_export_writes(page, data):
     motion = embedded(page)["motion"]
-    for moving, file in zip(data.moving, motion["runs"], strict=True):
-        assert file.tobytes() == glb_of(moving.motion, small=True)
-    worst = max(float(m.motion["stress"].max()) for m in data.moving)
+    for moving, file in zip(data.moving.values(), motion["runs"], strict=True):
+        assert file.tobytes() == glb_of(moving, small=True)
+    worst = max(float(moving["stress"].max()) for moving in data.moving.values())
     assert motion["largestStress"] == worst > 0
 
 
@@ -97,20 +97,20 @@ def test_the_extreme_runs_move_beside_the_nominal_one(results, data):
         values = samples["values"].values
         widest = int((bounds["upper"] - bounds["lower"]).values[0].argmax())
     shown = shown_runs(results)
-    assert [m.run for m in data.moving] == [run.row for run in shown]
+    assert [*data.moving] == [run.row for run in shown]
     assert shown[0].label == "nominal run"
-    ids = {data.runs[m.run].id for m in data.moving}
+    ids = {data.runs[i].id for i in data.moving}
     for extreme in (values[:, 0, widest].argmin(), values[:, 0, widest].argmax()):
         assert data.runs[extreme].id in ids
 
 
 def test_motions_are_those_of_the_trajectory_files(results, data):
-    for moving in data.moving:
-        trajectory = load_run(results / "trajectories", data.runs[moving.run].id)
-        there = trajectory["position"].sel(time=moving.motion["time"].values)
-        shown = moving.motion["point_position"].sel(point=there["point"])
+    for run, motion in data.moving.items():
+        trajectory = load_run(results / "trajectories", data.runs[run].id)
+        there = trajectory["position"].sel(time=motion["time"].values)
+        shown = motion["point_position"].sel(point=there["point"])
         assert there.sizes["point"] and np.array_equal(there.values, shown.values)
-        assert trajectory["time_step"] == moving.motion.attrs["time_step"]
+        assert trajectory["time_step"] == motion.attrs["time_step"]
 
 
 def test_as_many_runs_move_as_a_page_has_room_for():

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from deployable.campaign.pictures.glb import glb_of
-from deployable.campaign.report.read import MovingRun, PageData
+from deployable.campaign.report.read import PageData
 from deployable.campaign.results.quantity_results import number
 from deployable.campaign.results.response_bounds import UNSURE, ResponseBounds
 from deployable.campaign.text.numbers import pretty
@@ -54,7 +54,8 @@ def compress(raw: bytes) -> str:
 def pack_data(data: PageData) -> str:
     """Pack all data of the page's script as one text (base64 of gzip). Frames are left out of the
     motions until it has at most `PAGE` characters (2.45 million)."""
-    text, count = _pack(data, None), max((m.motion.sizes["time"] for m in data.moving), default=0)
+    count = max((motion.sizes["time"] for motion in data.moving.values()), default=0)
+    text = _pack(data, None)
     while len(text) > PAGE and count > 2:
         count = max(2, int(0.97 * count * min(0.97, PAGE / len(text))))
         text = _pack(data, count)
@@ -88,7 +89,7 @@ def payload(data: PageData, arrays: _Arrays, frames: int | None = None) -> dict[
     each array in `arrays`. frames: number kept of each motion; None: all."""
     bounds = [c for r in data.responses for c in (r.lower, r.upper, r.upper - r.lower)]
     keep, scales = thin_curves(bounds), [parameter["scale"] for parameter in data.parameters]
-    visible_runs = {0, *(m.run for m in data.moving)}
+    visible_runs = {0, *data.moving}
     return {
         "unsure": UNSURE,
         "metre": data.facts["metre"],
@@ -109,8 +110,10 @@ def payload(data: PageData, arrays: _Arrays, frames: int | None = None) -> dict[
             for key, kind in (("values", "f8"), ("numbers", "f8"), ("met", "u1"))
         } if data.verdicts else None,
         "lines": [_line(data, run, keep, arrays) for run in data.lines],
-        "moving": [_line(data, m.run, keep, arrays) | {"label": m.label} for m in data.moving],
-        "motion": _motion(data.moving, frames, arrays) if data.moving else None,
+        "moving": [
+            _line(data, i, keep, arrays) | {"label": data.runs[i].label} for i in data.moving
+        ],
+        "motion": _motion([*data.moving.values()], frames, arrays) if data.moving else None,
     }  # fmt: skip
 
 
@@ -208,9 +211,8 @@ def _line(data: PageData, run: int, keep: np.ndarray, arrays: _Arrays) -> dict[s
     return {"run": run, "curves": [arrays.add(c[keep] * r.scale, "f4") for c, r in curves]}
 
 
-def _motion(movers: Sequence[MovingRun], frames: int | None, arrays: _Arrays) -> dict[str, Any]:
-    """Return the moving runs as glTF files, and what their colours have in common."""
-    clips = [m.motion for m in movers]
+def _motion(clips: list[Any], frames: int | None, arrays: _Arrays) -> dict[str, Any]:
+    """Return whole motions as glTF files, and what their colours have in common."""
     if frames:
         indices = (np.linspace(0, m.sizes["time"] - 1, frames).round().astype(int) for m in clips)
         clips = [m.isel(time=np.unique(index)) for m, index in zip(clips, indices, strict=True)]

@@ -34,6 +34,8 @@ def render(data: PageData) -> str:
     """Render the campaign's page as the text of one HTML file; data: `report.read.from_results`."""
     units = {pretty(response.units) for response in data.responses}
     units |= {pretty(parameter["units"]) for parameter in data.parameters}
+    motion = next(iter(data.moving.values()), None)  # drawn for browsers that show none
+    poster = "" if motion is None else b64encode(to_png(draw_moments(motion, 3))).decode()
     return (
         environment(units - {"1"}, html=True)
         .get_template("page.html")
@@ -44,10 +46,7 @@ def render(data: PageData) -> str:
             prices=prices(data.facts),
             style=_text("style.css"),
             script="\n".join(_text(f"js/{name}.js") for name in SCRIPTS),
-            # For browsers that show no motion.
-            poster=b64encode(to_png(draw_moments(data.moving[0].motion, 3))).decode()
-            if data.moving
-            else "",
+            poster=poster,
             library=compress(_text("vendor/three.min.js").encode()),
             payload=pack_data(data),
         )

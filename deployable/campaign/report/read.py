@@ -41,23 +41,15 @@ MOST_LINES = 48  # runs that were not fitted, drawn as thin lines
 class PageRun:
     """A run on the page. id: hexadecimal; role: one of `files.contents.ROLES`; values (k): of the
     parameters; curves (n, T): its responses, None where they are not drawn; events: contacts that
-    close or open in it, in order, dicts of `time` (s), `contact` (name), `closing`."""
+    close or open in it, in order, dicts of `time` (s), `contact` (name), `closing`; label: what it
+    is in words, if it is shown moving."""
 
     id: str
     role: str
     values: np.ndarray
     curves: Any = None
     events: Sequence[Mapping[str, Any]] = ()
-
-
-@dataclass(frozen=True)
-class MovingRun:
-    """A run that the page shows moving: `run`, its index in `PageData.runs`, `label`, what it is in
-    words, and `motion`, its whole motion, a dataset as `fpm.solver.motion` makes it."""
-
-    run: int
-    label: str
-    motion: xarray.Dataset
+    label: str = ""
 
 
 @dataclass(frozen=True)
@@ -88,15 +80,16 @@ class WhatIf:
 class PageData:
     """All that a campaign's page shows, as `from_results` reads it. facts: content of
     `summary.json` in the units of `display`, which responses and verdicts have, too; runs: the
-    planned ones (of a large scan those that move), then further ones that move; moving: the nominal
-    one first, then those at which quantities and bounds are attained; omitted_runs: of whose motion
-    there is no room; provenance: what computed results; verdicts: None without quantities."""
+    planned ones (of a large scan those that move), then further ones that move; moving: whole
+    motions (`fpm.solver.motion`) by index in `runs`, the nominal one first, then those at which
+    quantities and bounds are attained; omitted_runs: of whose motion there is no room; provenance:
+    what computed results; verdicts: None without quantities."""
 
     facts: Mapping[str, Any]
     time: np.ndarray
     responses: tuple[ResponseBounds, ...]
     runs: tuple[PageRun, ...]
-    moving: tuple[MovingRun, ...] = ()
+    moving: Mapping[int, xarray.Dataset] = field(default_factory=dict)
     omitted_runs: tuple[ShownRun, ...] = ()
     provenance: Mapping[str, str] = field(default_factory=dict)
     config: str = ""
@@ -145,54 +138,47 @@ def from_results(path: str | Path) -> PageData:
         if len(samples) > MOST_RUNS:
             rows = np.array(sorted(run.row for run in movers if run.row is not None))
         copy, bounds = shown_facts(facts, experiment), shown_bounds(bounds, experiment.display)
-        pairs = zip(samples.ids(rows), rows, samples.events(rows), strict=True)
-        values, contacts = samples.table.values, samples.contacts
-        planned_runs = tuple(
-            PageRun(name, samples.roles[row], values[row], None, describe_events(e, contacts))
-            for name, row, e in pairs
-        )
-        runs, moving = _moving(folder, planned_runs, rows, movers)
-        moving_ids = {runs[mover.run].id for mover in moving}
+        labels, values = {mover.row: mover.label for mover in movers}, samples.table.values
+        runs = [
+            PageRun(name, samples.roles[row], values[row], None,
+                    describe_events(events, samples.contacts), labels.get(row, ""))
+            for name, row, events in zip(samples.ids(rows), rows, samples.events(rows), strict=True)
+        ]  # fmt: skip
+        moving: dict[int, xarray.Dataset] = {}
+        for mover in movers:
+            try:
+                with open_dataset(folder.motions / f"{mover.id}.nc") as dataset:
+                    motion = dataset.load()
+            except (FileNotFoundError, DamagedError):  # of a structure that has changed since
+                if not moving:  # without the first, nothing moves
+                    break
+                continue
+            moving[len(runs) if mover.row is None else int(np.searchsorted(rows, mover.row))] = (
+                motion
+            )
+            if mover.row is None:
+                names = motion["eventful"].values.tolist()
+                events = describe_events(motion["impact"].values, names)
+                run = PageRun(mover.id, REFINEMENT, mover.values, None, events, mover.label)
+                runs.append(run)
+        moving_ids = {runs[i].id for i in moving}
         data = PageData(
             facts=copy,
             time=bounds.time,
             responses=tuple(bounds.responses),
-            runs=runs,
+            runs=tuple(runs),
             moving=moving,
             omitted_runs=tuple(run for run in movers if moving and run.id not in moving_ids),
             provenance=_provenance(bounds, facts["design"], folder),
             config=json.dumps(json.loads(bounds.attributes["config"]), indent=1),
             verdicts=_verdicts(samples, folder, facts, copy),
         )
-        curves = {m.run: m.motion["curves"].values for m in data.moving if "curves" in m.motion}
-        drawn_runs = {*data.lines, *(mover.run for mover in data.moving)} - curves.keys()
+        curves = {i: m["curves"].values for i, m in moving.items() if "curves" in m}
+        drawn_runs = {*data.lines, *moving} - curves.keys()
         curves |= {run: samples.curves(rows[run]) for run in sorted(drawn_runs)}
     with_curves = (replace(run, curves=curves.get(i)) for i, run in enumerate(runs))
     what_if = _what_if(experiment, folder, facts)
     return replace(data, runs=tuple(with_curves), what_if=what_if)
-
-
-def _moving(
-    folder: Folder, runs: tuple[PageRun, ...], rows: np.ndarray, movers: Iterable[ShownRun]
-) -> tuple[tuple[PageRun, ...], tuple[MovingRun, ...]]:
-    """Return the runs of the page, with `movers` that are not among them, and the runs whose motion
-    is shown. A mover without a file is left out; without the file of the first, nothing moves."""
-    moving: list[MovingRun] = []
-    all_runs = list(runs)
-    for mover in movers:
-        try:
-            with open_dataset(folder.motions / f"{mover.id}.nc") as dataset:
-                motion = dataset.load()
-        except (FileNotFoundError, DamagedError):  # of a structure that has changed since
-            if not moving:
-                return runs, ()
-            continue
-        run = len(all_runs) if mover.row is None else int(np.searchsorted(rows, mover.row))
-        if mover.row is None:
-            events = describe_events(motion["impact"].values, motion["eventful"].values.tolist())
-            all_runs.append(PageRun(mover.id, REFINEMENT, mover.values, None, events))
-        moving.append(MovingRun(run, mover.label, motion))
-    return tuple(all_runs), tuple(moving)
 
 
 def _verdicts(

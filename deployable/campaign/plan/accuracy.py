@@ -86,8 +86,8 @@ def extend_plan(experiment: Experiment, plan: Plan, samples: Any, bounds: Any) -
     elif decision.action == "step":
         solver = replace(base.solver, safety=_halve(base.solver, plan.time))
         finer = replace(base, solver=replace(solver, peak_instants=MOST_INSTANTS))  # at all steps
-    lacking = () if base.scene_type.mesh is not None else ("mesh",)
-    check = tuple(part for part in decision.check if part not in lacking)
+    has_mesh = base.scene_type.mesh is not None
+    check = tuple(part for part in decision.check if has_mesh or part != "mesh")
     return _plan(finer, points, rounds, check, plan.time if finer is base else None)
 
 

@@ -153,9 +153,8 @@ def from_results(path: str | Path) -> PageData:
                 if not moving:  # without the first, nothing moves
                     break
                 continue
-            moving[len(runs) if mover.row is None else int(np.searchsorted(rows, mover.row))] = (
-                motion
-            )
+            index = len(runs) if mover.row is None else int(np.searchsorted(rows, mover.row))
+            moving[index] = motion
             if mover.row is None:
                 names = motion["eventful"].values.tolist()
                 events = describe_events(motion["impact"].values, names)

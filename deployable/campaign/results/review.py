@@ -381,10 +381,8 @@ class _Sheet:
 
     def redundant(self) -> dict[str, str] | None:
         """Row on whether the margin holds without any one driving spring; None if none drives."""
-        margins = {
-            name: margin for name, margin in self.margins.items()
-            if margin["standard"] == self.standard and not margin["own"]
-        }  # fmt: skip
+        margins = {name: m for name, m in self.margins.items()
+                   if m["standard"] == self.standard and not m["own"]}  # fmt: skip
         springs = list(dict.fromkeys(name for m in margins.values() for name in m["springs"]))
         if len(springs) < 2:
             text = f"{''.join(springs)} is the only driving spring, which has to be justified"
@@ -411,9 +409,9 @@ class _Sheet:
     def all_requirements(self) -> dict[str, str] | None:
         """Row on the part of the box of parameters in which all requirements, and all margins'
         limits, are met; None where the campaign has no requirements."""
-        if "together" not in self.facts:
+        if (whole := self.facts.get("together")) is None:
             return None
-        rows, whole = self.facts["requirements"], self.facts["together"]
+        rows = self.facts["requirements"]
         analysed = f"all requirements together over the box of {', '.join(self._free)}, by "
         analysed += f"{self.facts['runs']['all']} runs including the worst places"
         states = {name: self._margin(self._quantities[name])[0] for name in self.margins}
@@ -443,19 +441,15 @@ class _Sheet:
         """Row on the runs' energy balance: met if energies change by much more than its error."""
         motion, allowed = self._mechanism["motion"], numbers.percent(self._tolerance)
         runs, duration = self.facts["runs"]["all"], numbers.quantity(self.facts["duration"], "s")
-        analysed = (
-            f"{runs} runs, each of {duration}; a run fails if the error of its energy balance "
-        )
-        analysed += f"exceeds {allowed} of the largest energy"
+        analysed = f"{runs} runs, each of {duration}; a run fails if the error of its energy "
+        analysed += f"balance exceeds {allowed} of the largest energy"
         if motion is None:
             text = "the results do not keep the change of energies (`jobs.keep`)"
             return _row(analysed, _because(PARTIAL, text))
-        change, largest, imbalance = (motion[key] for key in ("exchanged", "largest", "imbalance"))
-        value = (
-            f"in the nominal run energies change by up to {numbers.quantity(change, 'J')}; the "
-            f"largest energy is {numbers.quantity(largest, 'J')}, and the error of the balance is "
-            f"{numbers.quantity(imbalance, 'J', 2)}"
-        )
+        change, largest = motion["exchanged"], motion["largest"]
+        value = f"in the nominal run energies change by up to {numbers.quantity(change, 'J')}; the "
+        value += f"largest energy is {numbers.quantity(largest, 'J')}, and the error of the "
+        value += f"balance is {numbers.quantity(motion['imbalance'], 'J', 2)}"
         if change < MIN_EXCHANGE * self._tolerance * largest or change == 0:
             text = "energies hardly change, so the balance shows nothing"
             return _row(analysed, _because(NOT_ANALYSED, text), value)
@@ -465,14 +459,12 @@ class _Sheet:
         """Row on which parameters of the structure vary in the campaign, and which are fixed."""
         if not self._free:
             return _row("")
-        fixed = [
-            f"{p['description'] or p['name']} ({p['name']} = "
-            f"{numbers.quantity(p['value'], p['units'], 4)})"
-            for p in self.facts["fixed"] if isinstance(p["value"], float)
-        ]  # fmt: skip
-        verdict = REPORT, REPORT
-        if fixed:
-            verdict = _because(PARTIAL, f"these do not vary: {'; '.join(fixed)}")
+        rows = [row for row in self.facts["fixed"] if isinstance(row["value"], float)]
+        values = (numbers.quantity(row["value"], row["units"], 4) for row in rows)
+        texts = [f"{row['description'] or row['name']} ({row['name']} = {value})"
+                 for row, value in zip(rows, values, strict=True)]  # fmt: skip
+        verdict = _because(PARTIAL, f"these do not vary: {'; '.join(texts)}")
+        verdict = verdict if texts else (REPORT, REPORT)
         return _row("parameters that are intervals", verdict, ", ".join(self._free))
 
     def tests(self) -> dict[str, str]:
@@ -481,10 +473,9 @@ class _Sheet:
             return _row("")
         analysed = "measured curves: " + ", ".join(test["name"] for test in measured["tests"])
         worst = measured["worst"]
-        nearest = (
-            f"the nearest run is within {numbers.number(measured['attained'])} bands, farthest at "
-            f"{numbers.quantity(worst['time'], 's', 7)} of {worst['test']} ({worst['response']})"
-        )
+        nearest = f"the nearest run is within {numbers.number(measured['attained'])} bands, "
+        nearest += f"farthest at {numbers.quantity(worst['time'], 's', 7)} of {worst['test']} "
+        nearest += f"({worst['response']})"
         failed_checks = [check["name"] for check in measured["checks"] if check["inside"] is False]
         if measured["refuted"] or failed_checks:
             text = f"no remaining values explain {', '.join(failed_checks)}"
@@ -493,13 +484,12 @@ class _Sheet:
                 text = f"the model comes no nearer than {least} bands to the tests. "
                 text = (text + sentence("differing", self.facts, escapes=False)).strip()
             return _row(analysed, _because(UNMET, text.removesuffix(".")), "", nearest)
-        stretches = [(p["name"], _stretch(p["after"], p["units"])) for p in measured["parameters"]]
-        value = "; ".join(f"{name} {text}" for name, text in stretches)
+        rows = measured["parameters"]
+        value = "; ".join(f"{row['name']} {_stretch(row['after'], row['units'])}" for row in rows)
         verdict = _because(REPORT, "the intervals that remain after the tests")
         if measured["attained"] > 1:
-            verdict = _because(
-                OPEN, "no run explains the tests, but nothing excludes the remaining values"
-            )
+            text = "no run explains the tests, but nothing excludes the remaining values"
+            verdict = _because(OPEN, text)
         return _row(analysed, verdict, value, nearest)
 
     def influence(self) -> dict[str, str] | None:

@@ -80,8 +80,8 @@ def requirement_warnings(campaign: Any) -> Iterator[str]:
             if is_idle and not is_sized:
                 word = "positive" if sign > 0 else "negative"
                 yield (
-                    f"{key}: {limit:g}, but {quantity.name} is {word} as the latch stops the joint, "
-                    f"so that no run can break it: did you mean {counterpart}: {-limit:g}?"
+                    f"{key}: {limit:g}, but {quantity.name} is {word} as the latch stops the "
+                    f"joint, so that no run can break it: did you mean {counterpart}: {-limit:g}?"
                 )
 
 

@@ -162,7 +162,7 @@ def test_a_step_longer_than_a_pulse_is_told(tmp_path, capsys, monkeypatch):
     load = "  blow: {part: arm, at: tip, force: [0, 0, 1 N], curve: p}\nactions:"
     monkeypatch.setitem(globals(), "STRUCTURE", STRUCTURE.replace("actions:", pulse + load))
     text = told(tmp_path, capsys, monkeypatch, "201}", "201, step: 5e-5}")
-    assert "solver.step: 5e-05 s is longer than 3e-05 s" in text and "most 3e-05" in text
+    assert "solver.step: 5e-05 s is longer than 7.5e-06 s" in text and "most 7.5e-06" in text
     text = told(tmp_path, capsys, monkeypatch, "201}", "201}")
     assert "longer than" not in text
 

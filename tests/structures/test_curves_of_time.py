@@ -187,6 +187,7 @@ def test_impulses_of_pulses_shorter_than_a_step_are_exact_at_any_step(curve):
         assert step is not None or 0.2 * feature < outcome.step < 0.26 * feature
 
 
+@pytest.mark.slow
 def test_a_rise_in_the_last_step_of_a_run_is_resolved():
     scene = loads(PULSED.format(curve="times: [0.999, 1], values: [0, 1]")).build()
     (outcome,) = simulate(scene, duration=1, instants=11)

@@ -47,7 +47,7 @@ def info(name: str, value: float | str, unit: str = "", note: str = "") -> Row:
 def close_to(
     name: str, value: float, reference: float, tolerance: float, source: str = "", note: str = ""
 ) -> Row:
-    """A value that may miss its reference by `tolerance`; one that is no number fails."""
+    """A value that may miss its reference by `tolerance`; one that is not a number fails."""
     passed = bool(abs(value - reference) <= tolerance)
     numbers = float(reference), float(tolerance)
     return Row(name, float(value), "", "within", *numbers, passed, source, note)

@@ -38,8 +38,8 @@ def check_integer(key: str, value: Any, low: int, high: int) -> int:
 
 
 def check_options(key: str, function: Callable, options: Mapping[str, Any]) -> None:
-    """Raise IntervalError for a name in `options` (values by name) that is no keyword-only argument
-    of `function`; key: name of the input for the message."""
+    """Raise IntervalError for a name in `options` (values by name) that is not a keyword-only
+    argument of `function`; key: name of the input for the message."""
     parameters = inspect.signature(function).parameters.values()
     names = [p.name for p in parameters if p.kind is p.KEYWORD_ONLY]
     for name in options:

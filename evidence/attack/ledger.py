@@ -71,7 +71,7 @@ class Ledger:
 @contextmanager
 def time_limit(seconds: float) -> Iterator[None]:
     """Raise `HangError` in the block after so much cpu time, or ten times as long by the clock:
-    on a busy machine, to wait is no hang."""
+    on a busy machine, waiting is not hanging."""
 
     def stop(*rest: object) -> None:
         raise HangError

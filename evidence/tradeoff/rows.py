@@ -38,7 +38,7 @@ def _estimate_rows(case: dict) -> list[Row]:
         note += f"{ratios[0]:.2g} to {ratios[-1]:.2g}"
         name = f"{case['case']}: instants at which the error estimate covers the error, {kind}"
         if kind == "scans":
-            note += "; the growth of a scan tells its size, it is no bound"
+            note += "; the growth of a scan tells its size, it is not a bound"
             rows.append(at_most(name, coverage, 0.9, SCAN, note))
         else:
             rows.append(at_least(name, coverage, 0.9, SCAN, note))

@@ -116,7 +116,7 @@ Measure = Callable[[Mapping[str, Dimension]], Dimension]
 
 
 class ExpressionError(ValueError):
-    """Raised for text that is no arithmetic, or without a finite value; its text says why."""
+    """Raised for text that is not arithmetic, or without a finite value; its text says why."""
 
 
 class Expression:
@@ -298,7 +298,7 @@ def _power(base: Dimension, exponent: Dimension, value: Evaluator | None) -> Dim
     try:
         return power(base, float(value({})))
     except (ArithmeticError, ValueError):
-        raise ExpressionError("an exponent is no finite number") from None
+        raise ExpressionError("an exponent is not a finite number") from None
 
 
 def _call_dimension(name: str, values: list[Dimension], zero: bool) -> Dimension:

@@ -122,7 +122,7 @@ _FACTOR = re.compile(rf"\s*(/?)\s*({_NAME})(-?[1-4])?(?![A-Za-z])")
 
 
 class UnitError(ValueError):
-    """Raised for text that is no unit."""
+    """Raised for text that is not a unit."""
 
 
 def is_unit(name: str) -> bool:
@@ -224,9 +224,9 @@ def translate(text: str) -> tuple[float, str]:
 
 
 def number_hint(text: str, with_unit: bool = True) -> str:
-    """Return a hint for the message on a text that is no allowed number: " (did you mean x?)" for a
-    percentage, a decimal comma, a power with `^` or a unit of other programs; " (a number alone,
-    ...)" for a unit where none may be; else "". with_unit: whether it may have a unit."""
+    """Return a hint for the message on a text that is not an allowed number: " (did you mean x?)"
+    for a percentage, a decimal comma, a power with `^` or a unit of other programs; " (a number
+    alone, ...)" for a unit where none may be; else "". with_unit: whether it may have a unit."""
     if any(sign in text for sign in "\u2212\u2013\u2014"):  # as copied from a page
         plain = re.sub("[\u2212\u2013\u2014]", "-", text)
         sign = re.findall("[\u2212\u2013\u2014]", text)[0]

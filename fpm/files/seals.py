@@ -74,7 +74,7 @@ def read_seal(path: Path) -> tuple[dict[str, str], int]:
     """Return the facts in the seal of a file that is not JSON, unchecked, and the number of bytes
     before it. Raises DamagedError without a seal, FileNotFoundError without a file."""
     if not stat.S_ISREG(os.stat(path).st_mode):  # a pipe would be waited for
-        raise DamagedError(path, "it is no plain file")
+        raise DamagedError(path, "it is not a plain file")
     size = path.stat().st_size
     with open(path, "rb") as file:
         file.seek(max(0, size - _LONGEST))
@@ -90,7 +90,7 @@ def read_bytes(path: str | os.PathLike, most: int = _MOST) -> bytes:
     with open(path, "rb", opener=lambda name, flags: os.open(name, flags | _NONBLOCK)) as file:
         state = os.fstat(file.fileno())
         if not stat.S_ISREG(state.st_mode):
-            raise DamagedError(path, "it is no plain file but a device or a pipe")
+            raise DamagedError(path, "it is not a plain file but a device or a pipe")
         if state.st_size > most:
             raise DamagedError(path, f"it is too long; allowed: at most {most} bytes")
         return file.read(most)
@@ -126,7 +126,7 @@ def _split(path: str | os.PathLike, content: bytes) -> tuple[dict[str, str], byt
         facts = json.loads(text)
         if isinstance(facts, dict) and {"name", "digest"} <= facts.keys():
             return {str(key): str(value) for key, value in facts.items()}, rest
-    raise DamagedError(path, "it was cut off or edited, or is no file of this program")
+    raise DamagedError(path, "it was cut off or edited, or is not a file of this program")
 
 
 def _compare(path: str | os.PathLike, facts: dict[str, str], content, name: str | None) -> None:

@@ -39,7 +39,7 @@ def hook(arrays: type, name: str | None = None) -> Callable:
     def register(function):
         hook_name = name or function.__name__
         if hook_name not in NAMES:
-            raise ValueError(f"{hook_name} is no hook; expected one of {', '.join(NAMES)}")
+            raise ValueError(f"{hook_name} is not a hook; expected one of {', '.join(NAMES)}")
         routine = function if hasattr(function, "py_func") else kernel(function)
         kernels = {hook_name: routine}
         if hook_name == "energy_of":

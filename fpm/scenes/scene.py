@@ -226,9 +226,9 @@ class Scene:
         return self.add(Hinge.create(self, name, particles, point, axis, opening, support))
 
     def add_joint(self, name, type, particles, point, axis=(1, 0, 0), axis2=None) -> int:
-        """Join two particles by a joint that is no hinge, "spherical", "fixed", "universal" (axis2:
-        its axis on the second particle) or "prismatic"; return its index among the joints. point,
-        axis: as in `add_hinge`."""
+        """Join two particles by a joint that is not a hinge, "spherical", "fixed", "universal"
+        (axis2: its axis on the second particle) or "prismatic"; return its index among the joints.
+        point, axis: as in `add_hinge`."""
         return self.add(Joint.create(self, name, type, particles, point, axis, axis2))
 
     def add_slide(self, name, particles, point, axis, opening: float = 0.0) -> int:

@@ -135,7 +135,7 @@ class CsvTable:
             content = read_bytes(path)
             text = _decode(content)
         except (OSError, UnicodeDecodeError, ValueError) as error:
-            damage = error.reason if isinstance(error, DamagedError) else "it is no text in UTF-8"
+            damage = error.reason if isinstance(error, DamagedError) else "it is not UTF-8 text"
             reason = getattr(error, "strerror", None) or damage
             raise CurvesFileError(f"{path}: {reason}; allowed: a CSV file") from None
         self.digest = hashlib.sha256(content).hexdigest()[:16]
@@ -154,7 +154,7 @@ class CsvTable:
         rows = [(number, line) for number, line in lines if not _COMMENT.match(line)]
         separator = rows.pop(0)[1][4:5] if rows and re.fullmatch("sep=.", rows[0][1]) else ""
         if not rows:
-            self.refuse(1, f"'' is no line of names with units; allowed: such as {example}")
+            self.refuse(1, f"'' is not a line of names with units; allowed: such as {example}")
         number, head = rows[0]
         cells = _cells(head, separator or _separator(head))
         if all(map(_DIGITS.fullmatch, cells)):  # names may stand in a comment

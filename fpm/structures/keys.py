@@ -104,7 +104,7 @@ class DirectionKey(Key):
         if node.text:
             vector = place.number(node, None, self.allowed, vector=True)
             if vector.full.get(node.text, "").startswith("point "):
-                place.refuse(node, f"{self.allowed}: one point is no direction")
+                place.refuse(node, f"{self.allowed}: one point is not a direction")
             return lambda build: self._unit_vector(build.number(vector, place.key), place)
         if len(node.items) == 3:
             bounds = [place.number(item, None, self.allowed) for item in node.items]

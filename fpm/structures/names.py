@@ -153,9 +153,9 @@ class Names:
 
     def allows(self, name: str, key: str, line: int, group: str = "") -> bool:
         """Return whether something may be called `name`; else a problem is noted: letters, digits
-        and _, no word of the language; a number begins with a letter and is no unit; what stands in
-        expressions is no function and no word of Python's. group: "let" for numbers, "points",
-        ..."""
+        and _, no word of the language; a number begins with a letter and is not a unit; what stands
+        in expressions is not a function and no word of Python's. group: "let" for numbers,
+        "points", ..."""
         is_reserved = name in (*NEIGHBOURS, "first", "last", "ground")
         plain, first = unicodedata.normalize("NFKC", name), r"[^\W\d_]" * (group == "let")
         sound = re.sub(r"\W", "_", plain).lstrip("_") + "_" * is_reserved
@@ -165,9 +165,9 @@ class Names:
             start += f", such as {sound}" if sound else ""
             hint = f"letters, digits and _{start}; not ground, next, previous, first, last"
         elif group == "let" and is_unit(name):
-            hint = f"a name that is no unit, such as {name}_"
+            hint = f"a name that is not a unit, such as {name}_"
         elif group in ("let", "points", "repeat") and (name in RESERVED_NAMES or iskeyword(name)):
-            hint = f"a name that is no function and no word of Python's, such as {name}_"
+            hint = f"a name that is not a function and no word of Python's, such as {name}_"
         elif plain != name:
             hint = f"plain letters and digits, such as {sound}"
         else:

@@ -66,14 +66,14 @@ def read_text(path: str | Path) -> str:
         reason = damage or getattr(error, "strerror", None) or str(error)
         if isinstance(error, UnicodeDecodeError):
             line = error.object.count(b"\n", 0, error.start) + 1
-            reason = f"line {line} is no text in UTF-8; allowed: a YAML file, saved as UTF-8"
+            reason = f"line {line} is not UTF-8 text; allowed: a YAML file, saved as UTF-8"
         if isinstance(error, FileNotFoundError):  # where it was sought, and a similar name there
             folder = next(p for p in Path(path).absolute().parents if p.is_dir())
             names = map(os.path.relpath, sorted(folder.glob("*.yaml")))
             reason += f" in {folder}{did_you_mean(str(path), names)}"
         if "\n" in str(path):
             lines, path = len(str(path).splitlines()), str(path).splitlines()[0]
-            reason = f"{lines} lines of text are no path; allowed: a path, or a dict of sections"
+            reason = f"{lines} lines of text are not a path; allowed: a path, or a dict of sections"
         elif Path(path).is_dir():
             reason = "it is a folder; allowed: a YAML file"
         problem = Problem(0, f"the file cannot be read: {reason}")
@@ -201,7 +201,7 @@ def read(
     if root.value in ("", None):
         problems.say(0, EMPTY)
     elif not root.is_table:
-        problems.say(root.line, "the file is no mapping; allowed: a mapping of keys")
+        problems.say(root.line, "the file is not a mapping; allowed: a mapping of keys")
     problems.stop()
     return root
 
@@ -402,7 +402,7 @@ class _Reader:
 
 def table_at(node: Node, name: str, key: str, problems: Problems) -> Node:
     """Return the table under the key `name` of the table `node`; empty if there is none or, which
-    is noted in `problems`, it is no table. key: dotted path of `node`, for messages."""
+    is noted in `problems`, it is not a table. key: dotted path of `node`, for messages."""
     table = node.entries.get(name, Node({}))
     if not table.is_table:
         problems.refuse(table.line, join_key(key, name), table.plain, "a mapping from names")

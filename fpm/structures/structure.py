@@ -75,7 +75,7 @@ class Structure(StatementTable):
     @classmethod
     def read(cls, path: str | Path) -> "Structure":
         """Return the structure in the YAML file at `path`, to be changed or added to. Raises
-        StructureError for a file that is no mapping; `build` tells what else is wrong."""
+        StructureError for a file that is not a mapping; `build` tells what else is wrong."""
         structure = cls()
         structure.source = str(path)
         table: Any = read(read_text(path), Problems(structure.source)).plain

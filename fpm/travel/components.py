@@ -21,7 +21,7 @@ from fpm.elements import (
 )
 
 STRAIN = "strain of bars"
-"""The component that is no element: the elastic strain of bars."""
+"""The component that is not an element: the elastic strain of bars."""
 
 DRAGS = ("FR", "HY")
 """Classes of what only resists (ElementType.resists_as)."""

@@ -73,7 +73,7 @@ def test_random_structures_move_alike_in_other_words():
 @pytest.mark.slow
 def test_structures_at_rest_are_never_refused():
     """Random ones, in units a million times larger or smaller, before anything moves them, and
-    some in which something does from an instant on: that they move by rounding is no failure."""
+    some in which something does from an instant on: that they move by rounding is not a failure."""
     seeds = ("500071", "500378", "500709", "500756", *map(str, range(800000, 800014)))
     drawn = [(seed, *draw_structure(seed)) for seed in seeds]
     quiet = [(seed, *one) for seed, *one in drawn if is_quiet(one[0])]

@@ -47,7 +47,7 @@ def problems(raw, curves=None, **changes):
 @pytest.mark.parametrize(
     ("curves", "words"),
     [
-        ("", "line 1: '' is no line of names with units"),
+        ("", "line 1: '' is not a line of names with units"),
         ("t [s],angle\n0,1\n", "columns.angle: {}, line 1: angle: it has no unit; allowed"),
         (
             "t [s],angle [mm]\n0,1\n1,1\n2,1\n",

@@ -74,7 +74,7 @@ def set_name(variable: str, name: str):
 def test_what_names_a_file_is_checked_where_it_is_read(theirs, variable, name):
     changed(theirs.samples, set_name(variable, name))
     for opened in (open_dataset, open_netcdf):
-        with pytest.raises(DamagedError, match=f"no name of a {variable}"):
+        with pytest.raises(DamagedError, match=f"not the name of a {variable}"):
             opened(theirs.samples)
 
 

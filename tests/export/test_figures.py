@@ -181,7 +181,7 @@ def test_bounds_in_python_draw_themselves_whole_or_selected(results):
     assert any(np.allclose(x.get_ydata(), 1000 * upper) for x in figure.axes[0].get_lines())
     for one in (bounds, early):
         with pytest.raises(
-            CampaignError, match=r"'X' is no response \(did you mean x\?\); all.*: x"
+            CampaignError, match=r"'X' is not a response \(did you mean x\?\); all.*: x"
         ):
             one.plot("X")
     with pytest.raises(CampaignError, match="no curve at one instant"):

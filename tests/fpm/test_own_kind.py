@@ -118,7 +118,7 @@ def test_hooks_that_do_not_exist_are_refused():
 
     from fpm.kernels.hooks import hook
 
-    with pytest.raises(ValueError, match="forcse is no hook; expected one of forces"):
+    with pytest.raises(ValueError, match="forcse is not a hook; expected one of forces"):
         hook(GroundSprings, "forcse")(lambda part, world, timing: None)
 
 

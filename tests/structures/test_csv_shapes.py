@@ -96,7 +96,7 @@ RIGHT = {
 }
 
 REFUSED = {
-    "empty": ("", "line 1: '' is no line of names"),
+    "empty": ("", "line 1: '' is not a line of names"),
     "names alone": (H, "no rows; allowed"),
     "no names": (R, "line 1: no line of names with units stands above"),
     "two units of time": ("t [s] (ms),angle [rad]\n" + R, "has no column with a unit of time"),
@@ -128,7 +128,7 @@ REFUSED = {
     "a row of separators in the middle": (
         H + R.replace("\n", "\n,\n", 1), "line 3: the cell of t is empty; allowed: a finite number"
     ),
-    "zero bytes": ((H + R).replace("1", "\0"), "it is no text"),
+    "zero bytes": ((H + R).replace("1", "\0"), "it is not UTF-8 text"),
     "clock times": (H + "00:00:00,0.5\n", "line 2: '00:00:00' is not allowed; allowed: seconds si"),
     "a delay, and a time without a unit": (
         "time,delay [s],angle [rad]\n0,0.1,1\n1,0.2,2\n",
@@ -148,7 +148,7 @@ REFUSED = {
     "a line of dashes": ("t [s]  angle [rad]\n-----  -----\n0 0.5\n", "line 2: '-----' is not all"),
     "names over two lines": ('"t\n[s]","angle\n[rad]"\n' + R, "line 1: quotes do not close where"),
     "columns that touch": ("t [s] angle [rad]\n0.0E+00-0.5E+00\n", "line 2: 1 values; allowed: 2"),
-    "UTF-16 without its mark": ((H + R).encode("utf-16-le"), "it is no text in UTF-8; allowed: a"),
+    "UTF-16 without its mark": ((H + R).encode("utf-16-le"), "it is not UTF-8 text; allowed: a"),
     "the end of a file of DOS": (H + R + "\x1a", "line 5: '\\x1a' is not allowed"),
     "tonnes or time": ("x [t],angle [rad]\n" + R, "line 1: 'x [t],angle [rad]' has no column with"),
     "another separator than sep": ("sep=,\n" + SEMI + R, "line 2: 't [s];angle [rad]' has no colu"),

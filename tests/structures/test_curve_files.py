@@ -88,7 +88,7 @@ def test_a_folder_of_ones_own_takes_the_file_along(file, tmp_path):
     [
         ("file: absent.csv, column: torque", r"file: \S*/absent\.csv: No such file"),
         ("file: [torques.csv], column: torque", r"file: \['torques.csv'\] is not allowed; allowed"),
-        ("file: /dev/zero, column: torque", "file: /dev/zero: it is no plain file"),
+        ("file: /dev/zero, column: torque", "file: /dev/zero: it is not a plain file"),
         ("file: torques.csv, column: force", "column: 'force' is not allowed; .* torque$"),
         ("file: torques.csv, column: t", "column: 't' is not allowed"),
         ("file: torques.csv", "file: 'file' is not allowed; allowed: `times` and `values`, or"),

@@ -89,7 +89,7 @@ VECTOR_REFUSALS = (  # what is replaced, by what, and what is said
     ("k: w.x + norm(w)", "S: 2*w\n  k: 1 m", "let.S: a vector called S; allowed: a name that no p"),
     ("let: {step:", "let: {z: n, step:", "repeat.bay.let.z: a vector called z"),
     ("axis: n", "axis: up", "axis: 'up' is not allowed; allowed: x, y, z"),
-    ("axis: n", "axis: Q", "one point is no direction"),
+    ("axis: n", "axis: Q", "one point is not a direction"),
     ("axis: n", "axis: 0*n", "a direction that is not zero"),
     (
         "mass: 1,",

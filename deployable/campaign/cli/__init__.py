@@ -68,7 +68,7 @@ def main(arguments: list[str]) -> int:
 
 
 class _Parser(argparse.ArgumentParser):
-    """A parser that says what is likely meant by a word that is no choice."""
+    """A parser that says what is likely meant by a word that is not a choice."""
 
     def error(self, message: str) -> NoReturn:
         match = re.search(r"invalid choice: '([^']*)' \(choose from (.*)\)", message)

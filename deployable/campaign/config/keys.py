@@ -56,8 +56,8 @@ class Rule(Key, NumberLimits):
         return self.children.get(name, self.entry)
 
     def take(self, value: Any) -> Any:
-        """A value that is no mapping of keys as the type of the key has it (a number is a float, a
-        list a tuple), or NO_VALUE if it is not allowed."""
+        """A value that is not a mapping of keys as the type of the key has it (a number is a float,
+        a list a tuple), or NO_VALUE if it is not allowed."""
         values = (_take(option, value) for option in self.options)
         value = next((x for x in values if x is not NO_VALUE), NO_VALUE)
         return value if value is NO_VALUE or self.fits(value) else NO_VALUE
@@ -122,7 +122,7 @@ def _parts(hint: Any) -> tuple[Rule, Any]:
 
 
 def _take(hint: Any, value: Any) -> Any:
-    """Return the value as a type has it; NO_VALUE: a text is no number, 2.0 no whole number."""
+    """Return the value as a type has it; NO_VALUE: a text is not a number, 2.0 no whole number."""
     rule, hint = _parts(hint)
     kind, kinds = get_origin(hint), get_args(hint)
     if kind is tuple and isinstance(value, list):

@@ -26,7 +26,8 @@ class Text(NamedTuple):
 
 def read(text: str, source: str) -> Text:
     """Parse a YAML text: returns its mapping and the line of each key. Raises `ConfigError` if it
-    is not YAML, too large, repeats a key or is no mapping; source: what messages call the text."""
+    is not YAML, too large, repeats a key or is not a mapping; source: what messages call the
+    text."""
     try:
         root = read_yaml(text, Problems(source), is_typed=True, names=NAMES)
     except StructureError as error:

@@ -26,7 +26,7 @@ runs, above which it says nothing."""
 
 SPARSEST, BRIEFEST = 30.0, 300.0
 """Second time of a curve by the duration of the runs, above which the same holds, and duration by
-the length of a curve that is no pulse, above which it is odd."""
+the length of a curve that is not a pulse, above which it is odd."""
 
 
 def experiment_warnings(experiment: Any) -> Iterator[str]:

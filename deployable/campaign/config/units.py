@@ -101,7 +101,7 @@ class StatedUnits:
             if name == "%" and path[-1] == "absolute":
                 hint = f" (did you mean relative: {text}?)"
         except UnitError:
-            hint = number_hint(text) or f" ({name} is no unit)"
+            hint = number_hint(text) or f" ({name} is not a unit)"
         except OverflowError:
             hint = " (no finite number)"
         place = ".".join(path)

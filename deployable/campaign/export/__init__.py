@@ -82,7 +82,7 @@ def export(
         ``stress``, equivalent stress."""
     if kind not in FORMATS:
         hint = did_you_mean(kind, FORMATS)
-        raise CampaignError(f"{kind!r} is no format{hint}; allowed: {', '.join(FORMATS)}")
+        raise CampaignError(f"{kind!r} is not a format{hint}; allowed: {', '.join(FORMATS)}")
     form = FORMATS[kind]
     if colour != "bars" and kind not in MOVIES:
         raise CampaignError(f"--colour {colour} is not for {kind}; allowed: {', '.join(MOVIES)}")

@@ -92,7 +92,7 @@ def open_netcdf(path: str | Path) -> Any:
         for variable in _PATTERNS.keys() & file.variables.keys():
             for name in file[variable][:].ravel():
                 if not _PATTERNS[variable].fullmatch(str(name)):
-                    raise DamagedError(path, f"{str(name)[:80]!r} is no name of a {variable}")
+                    raise DamagedError(path, f"{str(name)[:80]!r} is not the name of a {variable}")
         # One that is refused is closed: HDF5 can crash on texts of a file that is open twice.
         stack.pop_all()
     return file

@@ -27,7 +27,7 @@ class Envelopes(xr.Dataset):
             raise CampaignError("there is no curve at one instant; allowed: bounds at several")
         responses = [str(name) for name in np.atleast_1d(self["response"].values)]
         for name in {*names} - {*responses}:
-            text = f"{name!r} is no response{did_you_mean(name, responses)}"
+            text = f"{name!r} is not a response{did_you_mean(name, responses)}"
             raise CampaignError(f"{text}; allowed: {', '.join(responses)}")
         rows = tuple(self._read(name) for name in names or responses)
         display = Display(**json.loads(self.attrs.get("display", "{}")))

@@ -293,10 +293,10 @@ class _Sheet:
 
     def _margin(self, row: Mapping[str, Any]) -> Verdict:
         """Return whether a margin meets its standard; of one by factors of its own, what both say.
-        One without parts that drive nowhere is no failure case."""
+        One without parts that drive nowhere is not a failure case."""
         margin, (state, text) = self.margins[row["name"]], self._above_zero(row)
         if idle := [part for part in margin["without"] if part not in margin["drives"]]:
-            text = f"{', '.join(idle)} drives nowhere, so its absence is no failure case"
+            text = f"{', '.join(idle)} drives nowhere, so its absence is not a failure case"
             return _because(NOT_ANALYSED, text)
         if margin["own"]:
             name, standard_text = f"{margin['name']}{BY_STANDARD}_least", NOT_ANALYSED

@@ -57,7 +57,7 @@ class MessagePrinter:
             self.log_time = self.message_time + FIRST
 
     def move(self, text: str) -> None:
-        """Replace the line that the last call wrote by `text`, or clear it; what is no terminal
+        """Replace the line that the last call wrote by `text`, or clear it; what is not a terminal
         gets a changed text as a new line, after pauses (`PAUSE`)."""
         if not LOGGER.isEnabledFor(logging.INFO):
             return

@@ -230,7 +230,7 @@ def pack(store: str | Path, bundle: str | Path) -> None:
 
 def unpack(bundles: Iterable[str | Path], store: str | Path) -> None:
     """Extract the result files in tar files, `bundles`, into the folder `store`, unless they exist.
-    Raises `CampaignError` for a file that is no tar file. Seals show damage later."""
+    Raises `CampaignError` for a file that is not a tar file. Seals show damage later."""
     for bundle in bundles:
         try:
             with tarfile.open(bundle) as file:

@@ -102,7 +102,7 @@ class Stage:
                 names = {case.name: case for case in campaign.case_campaigns.values()}
                 if folder is None or folder.whole.name not in names:
                     allowed = ", ".join(f"{campaign.name}/{name}" for name in names)
-                    raise CampaignError(f"{folder and folder.whole} is no folder of a case of "
+                    raise CampaignError(f"{folder and folder.whole} is not the folder of a case of "
                                         f"{config}; allowed: {allowed}")  # fmt: skip
                 campaign = names[folder.whole.name]
             if folder is not None and self.takes and folder.plan.exists():

@@ -348,8 +348,8 @@ def lump(length: float, elements: int, section, material, scale: float = 1.0):
     straight uniform link. length (m): of it; elements: their number n; section (Section), material
     (Material); scale: factor on the section's transverse rotational inertia, above 1 to allow
     longer time steps. For n >= 2 mass, centre and inertia tensor are exactly those of a uniform
-    bar; for n = 1 mass, centre and polar inertia. SceneError if `elements` is no whole number above
-    0, or `scale` below 1 or too large for positive end masses."""
+    bar; for n = 1 mass, centre and polar inertia. SceneError if `elements` is not a whole number
+    above 0, or `scale` below 1 or too large for positive end masses."""
     if elements < 1 or int(elements) != elements:
         raise SceneError("elements", elements, "a whole number, at least 1")
     if not scale >= 1.0:

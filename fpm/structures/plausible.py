@@ -252,8 +252,11 @@ def _is_moved(scene: Scene) -> bool:
 
 
 def _rigid(scene: Scene) -> Iterator[str]:
-    """Warn if nothing is elastic and nothing can move, and name what holds it."""
-    if scene.beams or scene.drives or not (scene.hinges or scene.kinds.get(Joint)):
+    """Warn if nothing can move, where nothing is elastic or joints are to open, and name what holds
+    it."""
+    if scene.drives or not (scene.hinges or scene.kinds.get(Joint)):
+        return
+    if scene.beams and (scene.assembly is not None or not _active_hinges(scene)):
         return
     rows, names = report.jacobian(scene)
     if len(rows) < rows.shape[1] or report.mobility(scene).degrees:
@@ -266,8 +269,9 @@ def _rigid(scene: Scene) -> Iterator[str]:
     owners = [*support_names, *blockers] or keys
     text = ", ".join(owners[:MOST]) + ", ..." * (len(owners) > MOST)
     yield (
-        f"nothing can move: no part is elastic, and it is held by {text}: check axes, take one of "
-        "these away, or let a support hold less (`translations`, `rotations`)"
+        f"nothing can move{' but by bending' if scene.beams else ': no part is elastic'}, and "
+        f"it is held by {text}: check axes, take one of these away, or let a support hold less "
+        "(`translations`, `rotations`)"
     )
 
 

@@ -150,6 +150,9 @@ UNLIKELY = [  # the same, of what is allowed and hardly meant
        f"  in_time: {{t: {{{limits}}}}}", *words)
       for response, kind, limits, *words in SIGNED),
     ("instants: 201", "instants: 12", "12 for 2 s are 0.1818 s apart", "take 201 or more"),
+    ("actions:\n", "  end: {type: fixed, parts: [ground, arm], at: tip}\nactions:\n",
+     "nothing can move but by bending, and it is held by joint end: check axes"),
+    ("{event: latches, of: catch}", "{crossing: psi, level: 370 deg}", "370 deg, more than a turn"),
     ("order: 2}", "order: 2, samples: 500}", "design.samples: 500 is of sobol and screening alone"),
     ("{event: latches, of: catch}", "{value: psi, at: 15}", "t.at: 15 s, but runs last from 0"),
     ("relative: 0.1", "relative: 0", "line 5: intervals.k: 3 to 3 has no width", "scene.param"),

@@ -218,7 +218,8 @@ def _turn_texts(key: str, angle: float, experiment: Any) -> Iterator[str]:
     scene = experiment.nominal_scene
     is_motor = any(kind.acts_as == "motor" for kind in kinds_of([scene]))
     if abs(angle) > 2 * np.pi and not (is_motor or scene.spin.any() or scene.drives):
-        yield (
-            f"{key}: {angle:g} rad are {np.degrees(angle):.4g} deg: did you mean "
-            f"{np.radians(angle):.4g}, for {angle:g} deg?"
-        )
+        text = f"{key}: {angle:g} rad are {np.degrees(angle):.4g} deg"
+        if float(f"{angle:.4g}") == angle:  # as written, not converted from degrees
+            yield f"{text}: did you mean {np.radians(angle):.4g}, for {angle:g} deg?"
+        else:
+            yield f"{text}, more than a turn, and nothing drives it so far"

@@ -60,7 +60,7 @@ CASES = {
     "a campaign's long name": (changed("mine", 300 * "m"), ["campaign", "64 letters"]),
     "a response that ends in a newline": (changed("  BD:", '  "BD\\n":'), ["responses.BD"]),
     "an interval of a in mm": (
-        changed("nominal: 0.035", "nominal: 35"), ["intervals.a", "lower end 34.65", "to 10 (m)"],
+        changed("nominal: 0.035", "nominal: 35"), ["intervals.a", "lower end, 34.65", "to 10 (m)"],
     ),
 }  # fmt: skip
 

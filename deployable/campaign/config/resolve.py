@@ -212,7 +212,7 @@ def _interval(name: str, spec: IntervalSpec, scene_values: Mapping, scene_type: 
         interval = Interval(float(nominal - half), float(nominal), float(nominal + half))
     for end, value in (("lower", interval.lower), ("upper", interval.upper)):
         if not allows(parameter, value):
-            text = f"its {end} end {value:.12g} leaves the range of {name}"
+            text = f"its {end} end, {value:.12g}, lies outside the range of {name}"
             if spec.relative is not None and spec.relative >= 1:
                 text += f" (did you mean {spec.relative / 100:g}, for {spec.relative:g} %?)"
             raise RefusedError("", f"{text}; allowed: {parameter.allowed}")

@@ -320,5 +320,5 @@ def _choose_problems(experiment: Experiment, choose: Choose) -> Iterator[str]:
         else:
             parameter = scene.parameters[name]
             ends = [end for end in choose.ends(name, experiment) if not allows(parameter, end)]
-            text = "with its interval, leaves the range; allowed:"
+            text = "with its interval, extends beyond the range; allowed:"
             yield from (f"{key}: {end:.9g}, {text} {parameter.allowed}" for end in ends[:1])

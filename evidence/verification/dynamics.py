@@ -152,7 +152,7 @@ FLYING_SOURCE = "Simo and Vu-Quoc, J. Appl. Mech. 53 (1986) 849 and 855 (EI = 50
 
 def flying_beam(bench: Bench) -> None:
     """A free inclined beam, pushed and turned at one end for 2.5 s, then free (in the plane)."""
-    length, stop, duration, edge = 10.0, 2.5, 5.0, 1e-4
+    length, stop, duration, edge = 10.0, 2.5, 5.0, 1e-5
     elements = 10 if bench.quick else 20
     elastic, heavy = fpm.Section(1.0, 0.05, 0.05, 0.1), fpm.Section(1.0, 10.0, 10.0, 20.0)
     material = fpm.Material(1e4, 0.0, 1.0)

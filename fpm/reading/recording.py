@@ -10,6 +10,7 @@ from fpm.elements.batch import turns_of
 from fpm.elements.joints.hinge import Hinge
 from fpm.elements.joints.joint import Joint
 from fpm.elements.openings.opening import PARTS, Opening
+from fpm.elements.openings.stop import Contact, Stop
 from fpm.elements.particles.drive import Drive
 from fpm.elements.particles.probe import Probe
 from fpm.reading.bars import Bar, Sections, bars_of, sections_of
@@ -142,9 +143,17 @@ class Recording:
         """Return the moments on a hinge, and the work of each so far, over the run: (t, a) N m, on
         a slide N, above 0 where they raise its opening, and (t, a) J, above 0 where they drive it.
         hinge: its index; columns: the `a` components ("spring", "damper", ...: PARTS)."""
-        rows = self._rows(self._parts[Opening].part_track, len(self.scene.hinges) * len(PARTS))
+        count = len(self.scene.hinges)
+        rows = self._rows(self._parts[Opening].part_track, count * len(PARTS))
         columns = rows[:, hinge * len(PARTS) : (hinge + 1) * len(PARTS)]
-        return columns[..., 0], columns[..., 1]
+        moments, works = columns[..., 0].copy(), columns[..., 1]
+        opening = self._rows(self._parts[Opening].track, count)[:, hinge, 0]
+        for kind in (Stop, Contact):  # none pulls; in the step it is left, work is corrected
+            gates = [each.gate() for each in kind.find(self.scene) if each.hinge == hinge]
+            if gates:
+                pressed = [gate.side * (opening - gate.opening) > 0.0 for gate in gates]
+                moments[~np.any(pressed, axis=0), PARTS.index(kind.acts_as)] = 0.0
+        return moments, works
 
     def sections(self, bar: str) -> tuple[Bar, Sections]:
         """Return a bar (Bar) by its name, and its Sections: forces and moments at all instants."""

@@ -111,7 +111,7 @@ quantities:
 requirements:
   in_time: {t: {at_most: """
 IDLE = (
-    "is negative as the latch stops the joint, so that no run can break it: did you mean at_least:"
+    "is never positive as the joint is stopped, so that no run can break it: did you mean at_least:"
 )
 SIGNED = [  # the latch pushes back: responses of its impulse and moment, and limits of these
     ("latch_impulse: catch", "final", "at_most: 5 N m s", IDLE, "at_most: 5, but t", "-5?"),
@@ -168,6 +168,32 @@ def test_a_step_longer_than_a_pulse_is_told(tmp_path, capsys, monkeypatch):
     assert "solver.step: 5e-05 s is longer than 7.5e-06 s" in text and "most 7.5e-06" in text
     text = told(tmp_path, capsys, monkeypatch, "201}", "201}")
     assert "longer than" not in text
+
+
+@pytest.mark.parametrize(
+    ("response", "quantity", "limit", "words"),
+    [
+        ("joint_moment: pivot, part: stop", "largest: j", "5", "at_least: -5, of its smallest v"),
+        ("joint_moment: pivot, part: stop", "smallest: j", "5", "did you mean at_least: -5?"),
+        ("opening: pivot", "smallest_at: j", "3", "runs end at 2 s, so that no run can break it"),
+        (
+            "opening: pivot",
+            "settling: j, within: 0.1",
+            "2",
+            "runs end at 2 s, so that no run can break it",
+        ),
+    ],
+)
+def test_limits_that_no_run_can_break(
+    tmp_path, capsys, monkeypatch, response, quantity, limit, words
+):
+    stop = "actions:\n  end: {type: stop, joint: pivot, stiffness: 1000, upper: 80 deg}"
+    monkeypatch.setitem(globals(), "STRUCTURE", STRUCTURE.replace("actions:", stop))
+    new = f"  j: {{{response}}}\nquantities:\n  t: {{{quantity}}}\nrequirements:\n"
+    text = told(
+        tmp_path, capsys, monkeypatch, QUANTITY + "3", f"{new}  in_time: {{t: {{at_most: {limit}"
+    )
+    assert words in text
 
 
 def test_radians_of_a_parameter_in_degrees_are_told(tmp_path, capsys, monkeypatch):

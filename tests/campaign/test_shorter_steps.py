@@ -25,7 +25,7 @@ actions:
 CAMPAIGN = """
 campaign: hit
 scene: {file: hit.yaml}
-solver: {duration: 0.2, instants: 11}
+solver: {duration: 0.2, instants: 11, energy_tolerance: 0.0005}
 intervals: {play: {lower: 0.05, upper: 0.15}}
 design: {method: smolyak, order: 2}
 verify: {max_iterations: 1, discretization: true}
@@ -51,7 +51,7 @@ def test_such_runs_are_repeated_and_the_result_says_so(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "hit.yaml").write_text(STRUCTURE)
     (tmp_path / "hit_c.yaml").write_text(CAMPAIGN)
-    times = {"duration": 0.2, "instants": 11, "energy_tolerance": 0.005}
+    times = {"duration": 0.2, "instants": 11, "energy_tolerance": 0.0005}
     scene = load(tmp_path / "hit.yaml").build()
     (failed,) = fpm.simulate(scene, halvings=0, **times)
     (repeated,) = fpm.simulate(scene, **times)

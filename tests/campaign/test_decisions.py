@@ -15,11 +15,13 @@ from deployable import campaign
 from deployable.campaign.answers import choice as choice_answer
 from deployable.campaign.answers.choice import recheck
 from deployable.campaign.answers.evaluations import ModelEvaluator
+from deployable.campaign.answers.limits import LimitSpec
 from deployable.campaign.cli import main
 from deployable.campaign.cli.commands import UNMET
 from deployable.campaign.config.sections import Choose
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import Plan
+from deployable.campaign.results.facts import is_tight, scarcest
 from deployable.campaign.text.numbers import VOLUME
 from deployable.intervals.scalars import Choice
 
@@ -89,21 +91,22 @@ def test_the_largest_box_and_the_nearest_failure_are_the_exact_ones(tmp_path, ju
 
 @pytest.mark.slow
 def test_the_best_choice_is_that_of_the_closed_form(tmp_path):
-    """As early as may be at the latest, but never before 1.8 s: the stiffest at 1.05 k does it."""
+    """As early as may be at the latest, but never before 1.8 s: the stiffest at 1.05 k does it,
+    but for three errors of the fit."""
     wanted = {name: REQUIREMENTS[name] for name in ("in_time", "not_early")}
     choose = {"parameters": {"k": [0.05, 0.2]}, "minimise": "upper(t_open)"}
     folder = decided(tmp_path, "best", requirements=wanted, choose=choose)
     found = read(folder.choice)
     exact = border(EARLIEST) / 1.05
     assert found["kept"]
-    assert found["parameters"][0]["value"] == pytest.approx(exact, rel=1e-5)
+    assert found["parameters"][0]["value"] == pytest.approx(exact, rel=2e-5)
     (goal,) = found["goals"]
-    assert goal["at"]["k"] == pytest.approx(0.95 * exact, rel=1e-5)
+    assert goal["at"]["k"] == pytest.approx(0.95 * exact, rel=2e-5)
     # Simulated at a place within a thousandth of the range of that.
     assert goal["simulated"] == pytest.approx(exact_time(0.95 * exact), rel=1e-3)
-    assert goal["value"] == pytest.approx(exact_time(0.95 * exact), rel=1e-5)
+    assert goal["value"] == pytest.approx(exact_time(0.95 * exact), rel=2e-5)
     limits = {one["requirement"]: one for one in found["limits"]}
-    assert limits["not_early"]["margin"] == pytest.approx(0, abs=1e-5)
+    assert limits["not_early"]["margin"] == pytest.approx(0, abs=2e-5)
     assert found["runs"] < 20
     told = (folder / "summary.md").read_text()
     assert "The tightest requirement is `not_early`" in told and "end of its range" not in told
@@ -181,8 +184,11 @@ def test_better_choices_that_only_the_nearest_run_speaks_against_are_looked_at()
     best = tried(0.5, 3.0, 1.0, np.inf)
     others = [tried(0.1, 1.0, 1.0, -np.inf), tried(0.4, 2.0, 1.0, -np.inf),
               tried(0.3, 1.5, -1.0, np.inf), tried(0.6, 4.0, 1.0, -np.inf), best]  # fmt: skip
-    found = recheck(best, others, choose)
+    specs = [LimitSpec("low", 0, "at_most", 1.0)] * 2
+    found = recheck(best, others, choose, specs)
     np.testing.assert_array_equal(found, [[0.4, 0.4], [0.1, 0.1]])
+    events = [LimitSpec("opens", 0, "happens", 1.0), specs[0]]
+    assert len(recheck(best, others, choose, events)) == 3
 
 
 def chosen(
@@ -217,6 +223,30 @@ def test_an_error_that_decides_where_the_best_choice_lies_calls_for_runs_there(m
     exact = 0.1 * np.sqrt(1.1) / 1.05 / 0.95
     assert choice["safe"] and choice["parameters"][0]["value"] == pytest.approx(exact, rel=2e-3)
     assert choice["goals"][0]["simulated"] == pytest.approx(10.5 * exact / np.sqrt(0.9), rel=2e-3)
+
+
+@pytest.mark.parametrize("wanted", [{"low": {"wide": {"at_most": 9}}},
+                                    {"opens": {"wide": {"happens": True}}}])  # fmt: skip
+def test_that_an_event_happens_is_a_limit_with_a_margin(wanted, monkeypatch):
+    """The root of k - 0.1 mass exists, for k within 5 % and mass within 10 %, from k = 0.11 / 0.95
+    on. That is required, or a limit on it implies it."""
+    raw = panel(quantities={"wide": QUANTITIES["wide"]}, requirements=wanted,
+                choose={"parameters": {"k": [0.05, 0.2]}, "minimise": "upper(wide)"},
+                intervals={"k": {"nominal": 0.15, "relative": 0.05},
+                           "mass": {"nominal": 1.0, "relative": 0.1}})  # fmt: skip
+
+    def evaluate(model, plan, points):
+        box = model.experiment.box
+        values = box.from_unit(np.array(points))[:, [box.names.index(n) for n in ("k", "mass")]]
+        margins = values[:, 0] - 0.1 * values[:, 1] + 1e-5 * np.sin(3e3 * values.sum(axis=1))
+        return np.sqrt(np.where(margins < 0, np.nan, margins))[:, None], margins[:, None]
+
+    choice = chosen(monkeypatch, raw, evaluate)
+    limit, *_ = choice["limits"]
+    assert limit["kind"] == "happens" and limit["requirement"] == next(iter(wanted))
+    assert limit == scarcest(choice["limits"]) and not is_tight(choice)
+    assert 2 <= limit["margin"] < 9 and limit["ran"] and limit["simulated"] < 0.02
+    assert 1.0001 < choice["parameters"][0]["value"] * 0.95 / 0.11 < 1.01
 
 
 @pytest.mark.parametrize(("level", "peak"), [(0.5, 0.0), (0.2, 0.0), (0.5, 0.05)])

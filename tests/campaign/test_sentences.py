@@ -287,6 +287,7 @@ CASES = {
                                       parameter(name="c", value=0.8)])),
         ("choice", chosen(goals=[{"quantity": "v", "units": "1", "end": "upper",
                                   "sense": "minimise", "value": 2.0, "error": 0.0}])),
+        ("choice", chosen(limits=[HAPPENS | {"kept": True, "margin": 3.0, "error": 1.0}])),
         ("choice", chosen(kept=False)),
         ("choice", chosen({"together": {"met": "all"}}, kept=False)),
         ("choice", chosen(kept=False, parameters=[parameter(decides=False)])),

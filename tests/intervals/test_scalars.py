@@ -13,6 +13,7 @@ from deployable.intervals.box import Box, held_out_points
 from deployable.intervals.designs import scan_points
 from deployable.intervals.scalars import (
     ChoiceProblem,
+    EventLimit,
     FittedOccurrence,
     Goal,
     Limit,
@@ -323,22 +324,35 @@ def test_the_best_choice_of_a_stiffness_is_that_of_the_closed_form():
     latest = (1.8 + surrogate.error) * np.sqrt(1.05 / 0.95)
     assert best.goals[0] == pytest.approx(latest, rel=1e-6)
     assert len(grid) == 33
-    # A window that no choice can keep: the one that breaks it least is in its middle.
-    limits = [Limit(surrogate, "at_least", 1.8), Limit(surrogate, "at_most", 1.85)]
-    best, _ = ChoiceProblem([Goal(surrogate, "upper")], limits, [(0.05, 0.2)], box).find_best()
-    assert not best.is_allowed
-    # c / sqrt(1.05 k) - 1.8 = 1.85 - c / sqrt(0.95 k)
-    exact = (c * (1.05**-0.5 + 0.95**-0.5) / 3.65) ** 2
-    assert best.values[0] == pytest.approx(exact, rel=1e-4)
+    # A window that no choice can keep: the one that breaks it least is in its middle, relative to
+    # its ends, in whatever unit one of them is stated: c / 1.8 / sqrt(1.05 k) - 1 = 1 - c / 1.85 /
+    # sqrt(0.95 k).
+    exact = (c * (1.05**-0.5 / 1.8 + 0.95**-0.5 / 1.85) / 2) ** 2
+    for unit in (1.0, 10.0):
+        late = fit_scalar(points, unit * c / np.sqrt(k))
+        limits = [Limit(surrogate, "at_least", 1.8), Limit(late, "at_most", 1.85 * unit)]
+        best, _ = ChoiceProblem([Goal(surrogate, "upper")], limits, [(0.05, 0.2)], box).find_best()
+        assert not best.is_allowed
+        assert best.values[0] == pytest.approx(exact, rel=1e-4)
+        apart = [Limit(surrogate, "at_least", 1.85), Limit(late, "at_most", 1.8 * unit)]
+        place = 2 * ((c / 1.82) ** 2 - low) / (high - low) - 1
+        assert find_max_scale(apart, np.array([place]))[1] == 0
 
 
+@pytest.mark.parametrize("start", [0.0, 0.3])  # of a limit; or of where an event happens
 @pytest.mark.parametrize(("error", "is_safe"), [(0.02, True), (0.2, False)])
-def test_a_choice_keeps_its_limits_by_their_errors_where_one_can(error, is_safe):
-    """q = x, known to 0.1, from 0 to 0.4: the lowest choice that keeps the error is 0.1 + error."""
+def test_a_choice_keeps_its_limits_by_their_errors_where_one_can(error, is_safe, start):
+    """q = x, known to 0.1, from start to 0.4 above: the lowest choice that keeps the error is 0.1 +
+    error above the start."""
     points = runs(1, order=4, held_out=2)
     surrogate = fit_scalar(points, (points[:, 0] + 1) / 2)
     surrogate = replace(surrogate, fit=replace(surrogate.fit, left_out=np.full(1, error)))
-    limits = [Limit(surrogate, "at_least", 0.0), Limit(surrogate, "at_most", 0.4)]
+    limits = [Limit(surrogate, "at_least", 0.0), Limit(surrogate, "at_most", start + 0.4)]
+    if start:
+        margins = (points[:, 0] + 1) / 2 - start
+        event = fit_scalar(points, np.where(margins < 0, np.nan, 1.0), margin=margins)
+        event = replace(event, occurrence=replace(event.occurrence, error=error))
+        limits[0] = EventLimit(event, "happens", 1.0)
     goals, ends = [Goal(surrogate, "upper")], [(0.0, 1.0)]
 
     def box(choice):
@@ -348,12 +362,12 @@ def test_a_choice_keeps_its_limits_by_their_errors_where_one_can(error, is_safe)
     best, trials = problem.find_best()
     assert best.is_allowed and best.is_safe == is_safe
     # Where none keeps the error, the one in the middle is farthest from both limits.
-    assert best.values[0] == pytest.approx(0.1 + error if is_safe else 0.2, abs=1e-4)
+    assert best.values[0] == pytest.approx(start + (0.1 + error if is_safe else 0.2), abs=1e-4)
     safest = problem.find_safest(trials, best)
-    assert safest.values[0] == pytest.approx(0.2, abs=1e-4)
+    assert safest.values[0] == pytest.approx(start + 0.2, abs=1e-4)
     if is_safe:
         low, high = problem.find_safe_range(best, 0)
-        assert [low, high] == pytest.approx([0.1 + error, 0.3 - error], abs=1e-3)
+        assert [low, high] == pytest.approx([start + 0.1 + error, start + 0.3 - error], abs=1e-3)
 
 
 def test_a_value_that_gains_less_than_the_errors_is_no_safer():

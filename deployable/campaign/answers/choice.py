@@ -28,12 +28,13 @@ from deployable.campaign.results.run_samples import describe_failures
 from deployable.campaign.text import words_of
 from deployable.campaign.text.numbers import duration_text
 from deployable.intervals.box import ROUNDING
-from deployable.intervals.scalars import ChoiceProblem, Goal, Limit
+from deployable.intervals.scalars import ChoiceProblem, EventLimit, Goal, Limit
 
 _DOUBTS = 4
 _REACH, _MOST_PARTS = 0.125, 4  # of a range: half of a part about a choice; parts in a row
 _LARGE = 0.25  # of the differences between choices: error that calls for runs there
-_ROOM, _FINE = 3.0, 1e-3  # in errors, of a best choice; of a margin's range: an error like none
+_ROOM, _TIGHT = 3.0, 2.0  # in errors: sought margins of a best choice, and least ones
+_FINE = 1e-3  # of a margin's range: an error like none
 
 
 def answer(
@@ -54,14 +55,15 @@ def answer(
     model.notify(f"{experiment.name}: {len(design)} runs over choices and intervals")
     model.add(design)
     specs, base = list_limits(requirements, list(experiment.quantities)), base_plan.experiment
+    specs = _with_events(model, specs)
     best, safest, safe_ranges, trials = _search(model, base, choose, specs, verify.max_iterations)
     judge, error = model, _error(model, choose, None if best.is_allowed else specs)
     nominal = base.parameters(dict(zip(base.intervals, base.nominal, strict=True)))
     start = np.array([nominal[name] for name in choose.parameters])
     for values, reach in ((None, _REACH), (None, _REACH / 4), (start, _REACH)):
         is_tight = values is None and _is_tight(judge, best, trials, specs)
-        is_open = (not best.is_safe and abs(best.safety) < 1) or error > _LARGE * _spread(
-            [best, *trials]
+        is_open = (not best.is_safe and abs(best.safety) < 1) or (
+            best.is_allowed and error > _LARGE * _spread([best, *trials])
         )
         if not (is_tight or (is_open and reach == _REACH)):
             continue
@@ -77,6 +79,10 @@ def answer(
         if is_better or (judge is model and not is_tight):
             judge, best, safest = local, candidate, None
             error = _error(judge, choose, None if best.is_allowed else specs)
+    if judge is model and best.is_allowed and best.safety < _TIGHT:
+        roomy = _search(model, base, choose, specs, verify.max_iterations, _ROOM)
+        if roomy[0].is_allowed and roomy[0].safety >= _TIGHT:
+            best, safest, safe_ranges, trials = roomy
     lower, upper = _subbox(model, base, choose, best.values)
     points = model.failed_points
     has_failed = bool(((points >= lower - 1e-9) & (points <= upper + 1e-9)).all(axis=1).any())
@@ -116,8 +122,23 @@ def answer(
     }  # fmt: skip
     fit_errors = dict(zip(experiment.quantities, model.surrogates(), strict=True))
     for row in (*choice["goals"], *choice["limits"]):
-        row["fit_error"] = number(fit_errors[row["quantity"]].error)
+        is_event = row.get("kind") == "happens"
+        row["fit_error"] = row["error"] if is_event else number(fit_errors[row["quantity"]].error)
     write_result(folder.choice, json.dumps(choice, indent=1, allow_nan=False) + "\n")
+
+
+def _with_events(model: ModelEvaluator, specs: Sequence[LimitSpec]) -> list[LimitSpec]:
+    """Return limits with those first that an event happens, also where a requirement implies that,
+    as its quantity does not exist in some runs; one for all quantities of the same runs."""
+    is_absent, events = np.isnan(model.numbers), [s for s in specs if s.kind == "happens"]
+    patterns = {is_absent[:, spec.quantity].tobytes() for spec in events if spec.level}
+    levels = [spec for spec in specs if spec.kind != "happens"]
+    for spec in levels:
+        runs = is_absent[:, spec.quantity]
+        if runs.any() and runs.tobytes() not in patterns:
+            patterns.add(runs.tobytes())
+            events.append(LimitSpec(spec.requirement, spec.quantity, "happens", 1.0))
+    return events + levels
 
 
 def _search(
@@ -136,7 +157,8 @@ def _search(
         if best.is_safe and np.isfinite(best.safety):
             safe_ranges = [problem.find_safe_range(best, i) for i in range(len(problem.ranges))]
             safest = problem.find_safest(trials, best)
-        points = [*np.concatenate(best.goal_points), *best.worst, *recheck(best, trials, choose)]
+        points = [*np.concatenate(best.goal_points), *best.worst]
+        points += recheck(best, trials, choose, specs)
         points += [] if safest is None else [*safest.worst]
         points = model.find_missing([point for point in points if np.isfinite(point).all()])
         if iteration == iterations or not points:
@@ -241,8 +263,9 @@ def _is_tight(
     exceeds that: runs there may have smaller errors, and leave better choices."""
     surrogates, margins = model.surrogates(), np.array([trial.margins for trial in trials])
     for i, spec in enumerate(specs):
-        error, column = surrogates[spec.quantity].error, margins[np.isfinite(margins[:, i]), i]
-        is_near = spec.kind != "happens" and 0 <= best.margins[i] < 2 * _ROOM * error
+        error = 1.0 if spec.kind == "happens" else surrogates[spec.quantity].error
+        column = margins[np.isfinite(margins[:, i]), i]
+        is_near = 0 <= best.margins[i] < 2 * _ROOM * error
         if is_near and len(column) and error > _FINE * np.ptp(column):
             return True
     return False
@@ -254,14 +277,16 @@ def _spread(trials: Sequence[Any]) -> float:
     return float(np.ptp(goals)) if goals else np.inf
 
 
-def recheck(best: Any, trials: Sequence[Any], choose: Choose) -> list[np.ndarray]:
+def recheck(
+    best: Any, trials: Sequence[Any], choose: Choose, specs: Sequence[LimitSpec]
+) -> list[np.ndarray]:
     """Find points to simulate before a choice is final, because only surrogates rule out choices
     that may be better. Such a choice breaks a limit only because an event does not happen (or
     happens, or a limited quantity is absent), and its first goal is better than that of the best
     choice. The four nearest ones, relative to the ranges' widths, are used. Returns normalized
     points (k), -1 to 1 in the box, one for each such limit. best, trials:
     `intervals.scalars.Choice`, the best and those of the first grid; choose: section of the
-    config."""
+    config; specs: of the limits."""
     sign = choose.goals[0][0]
     better = [
         trial
@@ -274,8 +299,8 @@ def recheck(best: Any, trials: Sequence[Any], choose: Choose) -> list[np.ndarray
     return [
         point
         for trial in better[:_DOUBTS]
-        for margin, point in zip(trial.margins, trial.worst, strict=True)
-        if margin == -np.inf
+        for margin, point, spec in zip(trial.margins, trial.worst, specs, strict=True)
+        if margin == -np.inf or (spec.kind == "happens" and margin < 0)
     ]
 
 
@@ -285,9 +310,18 @@ def _problem(
     surrogates = [s.trend for s in model.surrogates()]
     names = list(model.experiment.quantities)
     goals = [Goal(surrogates[names.index(q)], end, sign) for sign, end, q in choose.goals]
-    limits = [Limit(surrogates[spec.quantity], spec.kind, spec.level) for spec in specs]
+    limits = _limits(surrogates, specs)
     subbox = partial(_subbox, model, experiment, choose)
     return ChoiceProblem(goals, limits, list(choose.parameters.values()), subbox)
+
+
+def _limits(surrogates: Sequence[Any], specs: Sequence[LimitSpec]) -> list[Limit]:
+    return [
+        (EventLimit if spec.kind == "happens" else Limit)(
+            surrogates[spec.quantity], spec.kind, spec.level
+        )
+        for spec in specs
+    ]
 
 
 def _subbox(
@@ -303,19 +337,22 @@ def _subbox(
 
 
 def _error(model: ModelEvaluator, choose: Choose, specs: list[LimitSpec] | None) -> float:
-    """Error, and rounding, of what decides: the first goal, or, if no choice is allowed, limits."""
-    names, surrogates = list(model.experiment.quantities), model.surrogates()
-    indices = [names.index(choose.goals[0][2])] if specs is None else [s.quantity for s in specs]
-    errors = [surrogates[q].error for q in indices]
-    size = np.nanmax(np.abs(model.numbers[:, indices]), initial=0.0)
+    """Error, and rounding, of what decides: the first goal, or, if no choice is allowed, limits, as
+    shares of their sizes."""
+    surrogates = model.surrogates()
+    if specs is None:
+        q = list(model.experiment.quantities).index(choose.goals[0][2])
+        size, errors = np.nanmax(np.abs(model.numbers[:, q]), initial=0.0), [surrogates[q].error]
+    else:
+        size, errors = 1.0, [limit.error / limit.size for limit in _limits(surrogates, specs)]
     return max([ROUNDING * size, *(error for error in errors if np.isfinite(error))])
 
 
 def find_deciding_parameters(trials: Sequence[Any], error: float) -> list[bool]:
     """Tell which chosen parameters matter, one flag each, in order: whether tried choices that
     differ only in it (all, if no two do) differ by more than `error` in the first goal, or only
-    some of them are allowed; if no choice is allowed, in the least margin to a limit. trials:
-    `intervals.scalars.Choice`, all that were tried; error: in the unit of what is compared."""
+    some of them are allowed; if no choice is allowed, in the least margin (`Choice.margin`).
+    trials: `intervals.scalars.Choice`, all that were tried; error: of what is compared."""
     allowed = [trial.is_allowed for trial in trials]
     worth = np.array([
         trial.margin if not any(allowed) else trial.goals[0] if trial.is_allowed else np.inf
@@ -355,7 +392,9 @@ def _goal(
 
 
 def _limit(model: ModelEvaluator, spec: LimitSpec, margin: float, point: np.ndarray) -> dict:
-    error = None if spec.kind == "happens" else number(model.surrogates()[spec.quantity].error)
+    error = number(model.surrogates()[spec.quantity].error)
+    if spec.kind == "happens":  # whose margin counts its errors
+        error = 1.0 if np.isfinite(margin) else None
     fields = {"margin": number(margin), "error": error, "kept": bool(margin >= 0)}
     description = {"requirement": spec.requirement, **describe_limit(model, spec)}
     return {**description, **fields, **model.describe_point(point, spec.quantity)}

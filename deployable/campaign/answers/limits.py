@@ -113,7 +113,8 @@ def assess_limits(
         limit.find_margins(model.numbers[:, spec.quantity])
         for spec, limit in zip(specs, limits, strict=False)
     ])  # fmt: skip
-    index = np.append(margins.argmin(axis=0), [len(specs)] * len(failed_points)).astype(int)
+    shares = margins / np.array([[limit.size] for limit in limits[: len(specs)]])
+    index = np.append(shares.argmin(axis=0), [len(specs)] * len(failed_points)).astype(int)
     is_failing = np.append(margins.min(axis=0) < 0, [True] * len(failed_points))
     failing_rows = np.flatnonzero(is_failing)
     scales = find_least_scales(model.nominal, runs[failing_rows])

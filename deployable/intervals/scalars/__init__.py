@@ -9,6 +9,7 @@ from .occurrence import FittedOccurrence, Occurrence
 from .requirements import (
     Choice,
     ChoiceProblem,
+    EventLimit,
     Goal,
     Limit,
     find_halving,

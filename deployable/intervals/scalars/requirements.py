@@ -194,6 +194,18 @@ class Limit:
         """Error of the quantity, in its unit: the surrogate's (NaN without fit) plus the runs'."""
         return self.surrogate.error + self.run_error
 
+    @cached_property
+    def size(self) -> float:
+        """What margins are compared as shares of, whatever the unit: the size of the level, or of 0
+        the range of the quantity in the runs."""
+        fit = self.surrogate.fit
+        is_zero = self.kind != "happens" and not self.level and fit is not None
+        return float(np.ptp(fit.values)) or 1.0 if is_zero else abs(self.level) or 1.0
+
+    def forecast(self, points: np.ndarray) -> np.ndarray:
+        """Limit margins (P) at `points` (P, k) in [-1, 1]^k, as `find_margins` has them."""
+        return self.find_margins(self.surrogate.evaluate(points))
+
     def find_margins(self, values: np.ndarray) -> np.ndarray:
         """Limit margins (...) of values (...) of the quantity, NaN where it does not exist:
         distance from the level, below 0 where the limit is violated; minus infinity without a
@@ -230,6 +242,36 @@ class Limit:
         if not np.isfinite(value):
             return -np.inf, middle
         return (self.level - value if self.kind == "at_most" else value - self.level), point
+
+
+@dataclass(frozen=True)
+class EventLimit(Limit):
+    """A limit "happens" whose margin tells by how much the event occurs, or does not: its decision
+    function over the error of that, so that 1 is as much as the error; infinite where all runs
+    agree."""
+
+    @property
+    def error(self) -> float:
+        return 1.0
+
+    @cached_property
+    def size(self) -> float:
+        occurrence = self.surrogate.occurrence
+        margins = self.forecast(occurrence.points) if occurrence.is_mixed else np.ones(1)
+        return float(np.ptp(margins)) or 1.0
+
+    def forecast(self, points: np.ndarray) -> np.ndarray:
+        occurrence = self.surrogate.occurrence
+        decision = occurrence.decision(points) * (1.0 if self.level else -1.0)
+        if not occurrence.is_mixed:
+            return decision
+        return decision / np.maximum(occurrence.band(points), np.finfo(float).tiny)
+
+    def worst(self, lower: np.ndarray, upper: np.ndarray) -> tuple[float, np.ndarray]:
+        point = (lower + upper) / 2
+        if self.surrogate.occurrence.is_mixed:
+            _, point = self.surrogate.decision_end(-1.0 if self.level else 1.0, lower, upper)
+        return float(self.forecast(point[None])[0]), point
 
 
 def sub_box(nominal: np.ndarray, scale: float) -> tuple[np.ndarray, np.ndarray]:
@@ -517,7 +559,7 @@ def find_max_scale(
         middle = 0.5 * (low + high)
         low, high = (middle, high) if is_kept(middle) else (low, middle)
     worst = [limit.worst(*sub_box(nominal, high)) for limit in limits]
-    index = min(range(len(limits)), key=lambda i: worst[i][0])
+    index = min(range(len(limits)), key=lambda i: worst[i][0] / limits[i].size)
     return low, index, worst[index][1]
 
 
@@ -563,10 +605,11 @@ class Goal:
 @dataclass(frozen=True)
 class Choice:
     """Chosen parameter `values` (c), in their units, and how good they are in the worst case of the
-    box about them. goals (g): of the objectives; margin: least margin of all limits, infinite
-    without any; margins (l): least margin of each limit, attained at points `worst` (l, k) in [-1,
-    1]^k; goal_points: g arrays of the points where each objective's bounds are attained, (1, k), of
-    a width (2, k); safety: least margin over its error, infinite without a limit of a level."""
+    box about them. goals (g): of the objectives; margin: least margin of all limits, as a share of
+    their sizes (`Limit.size`), infinite without any; margins (l): least margin of each limit,
+    attained at points `worst` (l, k) in [-1, 1]^k; goal_points: g arrays of the points where each
+    objective's bounds are attained, (1, k), of a width (2, k); safety: least margin over its error,
+    infinite where no limit has both."""
 
     values: np.ndarray
     goals: np.ndarray
@@ -579,7 +622,7 @@ class Choice:
     @property
     def is_allowed(self) -> bool:
         """Whether the whole box that the choice leaves satisfies all limits."""
-        return self.margin >= 0
+        return bool((self.margins >= 0).all())
 
     @property
     def is_safe(self) -> bool:
@@ -649,7 +692,7 @@ class ChoiceProblem:
             for goal, points in zip(self.goals, best.goal_points, strict=True)
         ]
         margins = [
-            limit.find_margins(limit.surrogate.evaluate(move(point[None])))[0]
+            limit.forecast(move(point[None]))[0]
             for limit, point in zip(self.limits, best.worst, strict=True)
         ]
         return self.weigh(best, goals, margins)
@@ -661,19 +704,23 @@ class ChoiceProblem:
         and what follows from them."""
         margin_array, goal_array = np.array(margins, dtype=float), np.array(goals, dtype=float)
         limits = self.limits[: len(margin_array)]
-        errors = np.array([0.0 if limit.kind == "happens" else limit.error for limit in limits])
-        has_error = np.isfinite(margin_array) & ~np.isnan(errors)
-        sizes = np.maximum(errors[has_error], np.finfo(float).tiny)
-        safety = float((margin_array[has_error] / sizes).min(initial=np.inf))
-        least = float(margin_array.min(initial=np.inf))
+        errors = np.array([limit.error for limit in limits])
+        is_finite = np.isfinite(margin_array)
+        has_error = is_finite & ~np.isnan(errors)
+        least_errors = np.maximum(errors[has_error], np.finfo(float).tiny)
+        safety = float((margin_array[has_error] / least_errors).min(initial=np.inf))
+        shares = margin_array / np.array([limit.size for limit in limits])
+        if (shares[is_finite] < 0).any():  # which tells how far it is, as infinity does not
+            shares = shares[is_finite]
+        least = float(shares.min(initial=np.inf))
         return replace(choice, goals=goal_array, margins=margin_array, margin=least, safety=safety)
 
     def find_best(self) -> tuple[Choice, list[Choice]]:
         """Choose the values with the best first goal that satisfy every limit with room. If there
         are none, choose those with the largest margins over their errors, or, if no choice
-        satisfies all limits, those that violate them least. A grid of choices (from three values on
-        a Sobol sequence) is searched, then finer ones about the best. Returns the choice, and all
-        choices of the first grid."""
+        satisfies all limits, those that violate them least, as shares of their sizes. A grid of
+        choices (from three values on a Sobol sequence) is searched, then finer ones about the best.
+        Returns the choice, and all choices of the first grid."""
 
         def rank(choice: Choice) -> tuple[int, float]:
             if not choice.is_allowed:

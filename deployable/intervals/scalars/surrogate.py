@@ -248,10 +248,16 @@ class ScalarSurrogate:
         lower, upper = self._part(lower, upper)
         if not self.occurrence.is_mixed:
             return (lower + upper) / 2 if self.occurrence.happens.all() == happens else None
-        decision, points = self.occurrence.decision, self.occurrence.points
-        sign = 1.0 if happens else -1.0
-        value, point = self._find_once(decision, sign, lower, upper, points, climbs=1)
+        value, point = self.decision_end(1.0 if happens else -1.0, lower, upper)
         return point if (value >= 0) == happens else None
+
+    def decision_end(
+        self, sign: float, lower: np.ndarray, upper: np.ndarray
+    ) -> tuple[float, np.ndarray]:
+        """Return the largest (sign 1) or least (sign -1) value of the decision function
+        (`Occurrence.decision`) over a part of the box (corners of k each), and the point (k)."""
+        part, points = self._part(lower, upper), self.occurrence.points
+        return self._find_once(self.occurrence.decision, sign, *part, points, climbs=1)
 
 
 def fit_scalar(

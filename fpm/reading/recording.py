@@ -149,10 +149,10 @@ class Recording:
         moments, works = columns[..., 0].copy(), columns[..., 1]
         opening = self._rows(self._parts[Opening].track, count)[:, hinge, 0]
         for kind in (Stop, Contact):  # none pulls; in the step it is left, work is corrected
-            gates = [each.gate() for each in kind.find(self.scene) if each.hinge == hinge]
+            gates = [stop.gate() for stop in kind.find(self.scene) if stop.hinge == hinge]
             if gates:
-                pressed = [gate.side * (opening - gate.opening) > 0.0 for gate in gates]
-                moments[~np.any(pressed, axis=0), PARTS.index(kind.acts_as)] = 0.0
+                contacts = [gate.side * (opening - gate.opening) > 0.0 for gate in gates]
+                moments[~np.any(contacts, axis=0), PARTS.index(kind.acts_as)] = 0.0
         return moments, works
 
     def sections(self, bar: str) -> tuple[Bar, Sections]:

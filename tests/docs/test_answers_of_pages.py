@@ -9,7 +9,6 @@ import pytest
 import xarray
 
 from deployable.campaign.cli import main
-from deployable.campaign.results.facts import roomier
 from deployable.campaign.text.numbers import share, with_error
 
 ROOT = Path(__file__).parents[2]
@@ -89,7 +88,7 @@ TOLD = {
         f"{a.meet['opens']} of the box", f"{a.meet['all']} of the box",
         f"{a.t_open.lower:.1f} s to more than the {a.t_open.censored_at:g} s",
         f"at most {a.v_open.upper:.2f} m/s",
-        f"k = {a.choice['parameters'][0]['value']:.3f} N m/rad",
+        f"**k = {a.choice['parameters'][0]['value']:.3f} N m/rad**",
         f"some {round(a.runs, -1)} runs",
         "{lower:.1f} to {upper:.1f} N m".format(**a.parameters[2]),
         "k = {k:.2f} N m/rad, c = {c:.2f} N m s/rad, friction {dry:.1f} N m".format(
@@ -102,12 +101,10 @@ TOLD = {
         f"more than {a.t_open.upper - a.t_open.lower:.1f} s to "
         f"{a.t_open.influence['dry']['fixed']:.1f} s",
         f"in {100 * a.together['halved']['dry']['share']:.1f} % of the box",
-        f"error of {a.choice['goals'][1]['error']:.1f} s",
         f"latches within {a.choice['goals'][1]['simulated']:.1f} s",
         f"at most {a.choice['goals'][0]['simulated']:.2f} m/s",
-        f"**k = {roomier(a.choice)['parameters'][0]['value']:.3f} N m/rad**",
         " and ".join(with_error(one["margin"], one["error"], one["units"])
-                     for one in roomier(a.choice)["limits"][1:]),
+                     for one in a.choice["limits"][1:]),
     ], "README.md": lambda a: [
         f"in {a.meet['opens']} of the box",
         f"after {a.t_open.lower:.1f} s to more than {a.t_open.censored_at:g} s",

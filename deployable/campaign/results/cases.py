@@ -236,8 +236,8 @@ def _notes(facts: Mapping) -> list[str]:
     notes = [f"{text}." for text in doubts(facts)]
     if "accuracy" in facts and not facts["accuracy"]["met"]:
         notes.append(sentence("accuracy", facts, escapes=False))
-    missed = sentence("missed", facts, False, escapes=False)
-    return [*notes, missed, sentence("mixed", facts, escapes=False)]
+    notes.append(sentence("missed", facts, False, escapes=False))
+    return [*notes, sentence("mixed", facts, escapes=False)]
 
 
 def _group_texts(texts: Iterable[tuple[str, str]]) -> list[dict[str, Any]]:

@@ -11,7 +11,7 @@ from deployable.campaign.config.own_runs import CONSTANT_TEXT
 from deployable.campaign.provenance import program_digest
 from deployable.campaign.results import facts
 from deployable.campaign.results.response_bounds import COMPONENTS, LARGE
-from deployable.campaign.text import negated, numbers
+from deployable.campaign.text import negate, numbers
 from fpm.kernels.sources import user_cache
 
 _FOLDERS = [Path(__file__).parents[1] / room for room in ("results", "report", "cli")]
@@ -53,7 +53,7 @@ def environment(units: Iterable[str] = (), html: bool = False) -> Any:
     for module, names in filters.items():
         env.filters |= {name: getattr(module, name) for name in names}
     env.filters |= {
-        "met_text": met_text, "doubts": doubts, "negated": negated,
+        "met_text": met_text, "doubts": doubts, "negate": negate,
         "capitalise": lambda text: text[:1].upper() + text[1:],
         "first_lower": lambda text: text[:1].lower() + text[1:],
         "coded": partial(numbers.to_html, units=units),

@@ -68,7 +68,7 @@ def words_of(quantity: Any, shown_unit: Callable | None = None) -> dict[str, str
     return {"event": happens, "words": f"time at which {happens}"}
 
 
-def negated(event: str) -> str:
+def negate(event: str) -> str:
     """Write that an event (`words_of`) does not happen: `the latch L does not latch`."""
     names, tick, verb = event.rpartition("`")
     text, count = re.subn(r"\bis\b", "is not", verb, count=1)

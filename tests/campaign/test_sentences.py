@@ -191,7 +191,9 @@ CASES = {
         ("required", facts(together={"failures": 1, "whole": True},
                            runs={"choice": 1, "checks": 0})),
         ("required", together(failures=0, max_interval_scale=0, fails=LIMIT | {"simulated": None})),
-        ("required", together(fails=LIMIT | {"simulated": None, "kept": False})),
+        *(("required", together(fails=LIMIT | {"simulated": None, "kept": False, "event": event}))
+          for event in (LIMIT["event"], "the opening of the hinge `root` reaches 1.5 rad",
+                        "there is a largest speed of `end`")),
         ("required", facts(requirements=[IDLE], together={"fails": None})),
         ("required", together(fails=LIMIT | {"kept": True, "simulated": 9.1}, failures=0)),
         ("required", together(fails=LIMIT | {"ran": False})),

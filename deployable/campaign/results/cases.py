@@ -64,6 +64,7 @@ def facts_of_cases(
     verdicts = {name: facts.get("together") for name, facts in summaries.items()}
     # Cases that fail come first: what they ask for is to be read before the rest.
     order = sorted(summaries, key=lambda name: GROUPS[(verdicts[name] or {"met": "all"})["met"]])
+    notes = _group_texts((name, text) for name in order for text in _notes(summaries[name]))
 
     def say(macro: str) -> list[dict[str, Any]]:
         return _group_texts(
@@ -103,7 +104,7 @@ def facts_of_cases(
         "runs": sum(facts["runs"]["all"] for facts in summaries.values()),
         "answers": {question: say(macro) for question, macro in _QUESTIONS.items()},
         "reliance": [row for macro in _RELIANCE for row in say(macro)],
-        "notes": _group_texts((name, text) for name in order for text in _notes(summaries[name])),
+        "notes": notes,
     }  # fmt: skip
 
 

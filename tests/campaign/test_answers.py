@@ -111,7 +111,8 @@ def test_the_summary_tells_the_intervals(opened):
     assert rows["t_open"]["predicted_ends"] == []
     text = (opened / "summary.md").read_text()
     assert "1.8682 to 1.9640 s" in text and "| error of the fit | ends |" in text
-    assert "The opening of the `hinge` reaches 1.63 rad between 1.91 s and 2 s in " in text
+    assert "by 2 s, the end of the runs. In the rest, it happens after 2 s or never." in text
+    assert "In the earliest run, it happens at 1.91 s" in text
     # The nominal run is a node, too, and counts once.
     made = len(curves_in(opened.runs("trajectories")))
     assert {row["runs_with"] + row["runs_without"] for row in rows.values()} == {made}

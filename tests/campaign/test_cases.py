@@ -242,4 +242,4 @@ def test_a_campaign_with_cases_is_run_checked_and_told(tmp_path, monkeypatch, ca
     assert 'href="heavy' not in page  # which has no page without figures
     assert main(["bounds", "results/panel/soft", "--config", "c.yaml"]) == 0
     assert main(["bounds", "results/panel", "--config", "c.yaml"]) == 1
-    assert "no folder of a case" in capsys.readouterr().err
+    assert "is not the folder of a case" in capsys.readouterr().err

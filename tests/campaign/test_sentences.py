@@ -162,6 +162,9 @@ CASES = {
         ("headline", facts(requirements=[
             PART | {"name": name, "limits": [ABSENT]} for name in ("soft", "gentle")
         ])),
+        ("headline", facts(together={"share": 0.8}, requirements=[
+            PART | {"limits": [ABSENT | {"event": "the stop `end` is hit"}]}
+        ])),
         ("headline", facts(together={"share": 0.995, "share_uncertainty": 0.02}, requirements=[
             PART | {"name": name, "met": "undecided", "limits": [LIMIT]} for name in "ab"
         ])),
@@ -188,6 +191,9 @@ CASES = {
         ("required", facts(together={"failures": 1, "whole": True},
                            runs={"choice": 1, "checks": 0})),
         ("required", together(failures=0, max_interval_scale=0, fails=LIMIT | {"simulated": None})),
+        *(("required", together(fails=LIMIT | {"simulated": None, "kept": False, "event": event}))
+          for event in (LIMIT["event"], "the opening of the hinge `root` reaches 1.5 rad",
+                        "there is a largest speed of `end`")),
         ("required", facts(requirements=[IDLE], together={"fails": None})),
         ("required", together(fails=LIMIT | {"kept": True, "simulated": 9.1}, failures=0)),
         ("required", together(fails=LIMIT | {"ran": False})),
@@ -218,12 +224,15 @@ CASES = {
         ("occurrences", [TIME | {"runs_without": 2, "censored_at": 12.0}, SPEED | {
             "runs_without": 2
         }]),
+        *(("early", TIME | {"censored_at": 12.0} | error)
+          for error in ({"error": None}, {"errors": {"whole": 0.5}})),
         ("occurrences", [TIME | {"runs_without": 2}]),
         ("occurrences", [TIME | {"runs_without": 2}, SPEED | {"runs_without": 2, "happens": 0.5}]),
         *(("occurrences", [TIME | {"runs_without": 3, "unfinished": UNFINISHED | counts}], [K],
-           shown) for counts, shown in (({"late": 1, "stuck": 1}, [CURVE]),
+           shown) for counts, shown in (({"late": 1, "stuck": 2}, [CURVE]),
                                         ({"late": 2, "stuck": 0, "at": {}}, []),
-                                        ({"late": 0, "stuck": 2, "at": {}}, []))),
+                                        ({"late": 3, "stuck": 0, "at": {}}, []),
+                                        ({"late": 0, "stuck": 1, "at": {}}, []))),
         ("occurrences", [NEVER]),
         ("occurrences", [NEVER | {"reached": REACHED}]),
         ("occurrences", [NEVER | {"reached": REACHED | {"moves": False}}]),
@@ -252,6 +261,9 @@ CASES = {
         ("open_by", facts(requirements=[PART | {"met": "undecided", "limits": [
             LIMIT | {"met": "undecided", "margin": 0.9}
         ]}]), "k"),
+        ("tolerance", facts(requirements=[PART | {"limits": [LIMIT]}, PART | {
+            "name": "opens", "met": "undecided", "limits": [HAPPENS | {"met": "undecided"}]
+        }])),
         ("tolerance", rows(TIME | {"influence": {
             "k": TIME["influence"]["k"] | {"halved": None}, "c": TIME["influence"]["c"]
         }, "censored_at": 9.0})),
@@ -317,6 +329,7 @@ CASES = {
         *(("reliance", facts(responses=[one])) for one in (AROUND, LARGE | {
             "times_of_large_error": {"from": 4.0, "to": 4.0, "throughout": True}
         })),
+        ("reliance", facts(FREE, responses=[LARGE])),
         ("reliance", facts(FREE, unvaried=["mass", "k"])),
         ("reliance", facts(requirements=[PART | {"met": "undecided", "limits": [LIMIT]}],
                            late_peaks=["t_open"])),
@@ -329,6 +342,7 @@ CASES = {
         ("trust", facts(unseen_from=0.64)),
         ("trust", together(met="all", share=1.0, share_uncertainty=0.0)),
         ("trust", together(met="none", share=0.0, share_uncertainty=0.0)),
+        ("missed", together(met="all", share_uncertainty=0.0), False),
         ("trust", facts(responses=[curve(grade="unknown")])),
         ("trust", facts(responses=[LARGE | {"undivided_from": 3.9}] * 2)),
         ("trust", together(met="all", share=1.0, share_uncertainty=0.0, failures=0)
@@ -401,16 +415,20 @@ CASES = {
         *(("error", CURVE | {"size": 1.5}, value) for value in (0.1, 1e-16, None)),
         *(("error", row, 0.0) for row in (TIME, NEVER)),
         *(("goal_name", CHOICE["goals"][0] | {"end": end}) for end in ("upper", "lower", "width")),
-        ("halved_margin", LIMIT, "k"), ("halved_margin", LIMIT | {"margin": 0.94}, "k"),
+        ("halved_margin", LIMIT, "k"), ("halved_margin", LIMIT, "c"),
+        ("halved_margin", LIMIT | {"margin": 0.94}, "k"),
         *(("halved_share", TOGETHER | part, name) for name in "kc" for part in (
-            {}, {"share": 0.995, "share_uncertainty": 0.02}
+            {}, {"halved": {"k": HALF | {"share": 0.995, "share_uncertainty": 0.02}}}
         )),
+        ("unshown", [TIME | {"sense": "minimise", "end": "upper"}, CHOICE["goals"][0]]),
         ("goal_value", CHOICE["goals"][0]), ("limit_value", HAPPENS | {"kept": True}),
         ("limit_value", LIMIT), ("short_limit", LIMIT), ("short_limit", HAPPENS),
         ("short_limit", HAPPENS | {"level": False}), ("cut", TOGETHER),
         ("cut", {"max_interval_scale": 0.00123}),
         ("narrowed", TIME, "k", "halved"), ("narrowed", TIME | {"constant": True}, "k", "fixed"),
-        ("narrowed", TIME | {"surrogate_upper": 4.0}, "k", "fixed"),
+        ("narrowed", TIME | {"surrogate_upper": 4.75}, "k", "fixed"),
+        ("narrowed", TIME | {"influence": {"k": {"fixed": None, "width_error": 0.1}}}, "k",
+         "fixed"),
         ("sheet_head", FACTS, ROWS, ["met", "not met", "not analysed"], "ECSS"),
         ("sheet_head", facts(parameters=[]), ROWS[1:], ["met"], "ECSS"),
     ],
@@ -424,7 +442,8 @@ OF_CASES = {"name": "in_time", "met": "all", "failing": [], "undecided": [],
 COMPARED = {"cases": ["heavy", "soft", "hot", "cold"], "worst": DECIDING,
             "together": {"met": "all", "failing": [], "undecided": [], "free": []}}  # fmt: skip
 BOTH_ENDS = TIME | {"lower_error": 0.1, "lower_cases": ["hot"], "upper_error": None,
-                    "upper_cases": ["soft"], "censored_cases": [], "never": []}  # fmt: skip
+                    "upper_cases": ["soft"], "censored_cases": [], "never": [],
+                    "by_case": [None, TIME]}  # fmt: skip
 WIDE = {"units": "m", "lower": 0.1, "upper": 0.4, "width": 0.2, "time": 0.3}
 
 
@@ -443,6 +462,8 @@ CASES_OF_CASES = {
         ("trust", facts(COMPARED, runs=125)), ("trust", compared(met="some") | {"runs": 125}),
         ("overall", compared()), ("overall", compared(met="some", failing=["heavy"])),
         ("overall", compared(met="none", failing=["heavy", "hot"])),
+        ("in_cases", {"text": "Trust them.", "cases": ["heavy", "hot"]}),
+        ("in_cases", {"text": "Trust them.", "cases": COMPARED["cases"]}),
         ("next_case", MEASURED["next"][0] | {"case": "heavy"}),
     ],
     "Cells of tables of cases": [
@@ -460,7 +481,7 @@ CASES_OF_CASES = {
         *(("curve_cell", WIDE | {"lower_change": 0.01, "upper_change": 0.02} | at)
           for at in ({"instants": 9.0}, {"interpolation_error": 0.003})),
         ("whole", NEVER), ("whole", BOTH_ENDS),
-        ("whole", BOTH_ENDS | {"lower_error": None, "upper_error": 0.2, "never": ["hot"]}),
+        ("whole", BOTH_ENDS | {"never": ["hot"]}),
         ("whole", BOTH_ENDS | {"censored_cases": ["hot"]}),
     ],
 }  # fmt: skip

@@ -266,8 +266,14 @@ def test_only_a_time_that_grows_with_every_halving_has_no_upper_end(shape, is_en
 
     model.of = SimpleNamespace(told=told)
     model.numbers, model.margins = model.evaluate(model.plan, model.points)
+    start = model.points, model.numbers, model.margins
     (end,) = converge_bounds(model, 2)
     assert (end.outer[1] == LATEST or end.may_be_endless) == is_endless
+    # The bounds are by all runs, also where too few follow the end to tell.
+    model.points, model.numbers, model.margins = start
+    model.refinements, model.max_refinements = [], 36
+    (end,) = converge_bounds(model, 2)
+    assert end.surrogate is model.surrogates()[0]
 
 
 def test_a_number_that_finer_runs_lose_everywhere_leaves_all_open():
@@ -414,6 +420,10 @@ def test_what_no_run_breaks_is_sure_beyond_the_errors(free, slack, kind, margins
             endless=endless,
         )  # fmt: skip
         assert limits.is_shown(model, result, 0) is (sure and not (endless and any(free)))
+    # Of a limit that a run breaks, what it needs to exist may still fail between the runs.
+    result.margins = -np.ones((1, len(margins)))
+    is_sure_event = margins == [1.0, 1.5, 2.0]
+    assert bool(limits.is_open(model, result, 0)) is (kind == "event" and not is_sure_event)
 
 
 @pytest.mark.parametrize(

@@ -154,8 +154,19 @@ def is_shown(
     if limit.kind != "happens" and not worst >= limit.error:
         return False
     sign = -1 if limit.kind == "happens" and not limit.level else 1
-    always_exists = model.experiment.quantity_list[q].always_exists
-    return always_exists or _sure_occurrence(model, limit, q) == sign
+    return occurs(model, limit, q, sign)
+
+
+def is_open(
+    model: ModelEvaluator, result: LimitAssessment, i: int, worst: float | None = None
+) -> bool:
+    """Return whether runs alone tell that limit `i` holds, or that its quantity, which all runs
+    have, exists in the whole box: between them it may not. worst: as of `is_shown`."""
+    limit, q = result.limits[i], result.specs[i].quantity
+    if result.margins[i].min() >= 0:
+        return not is_shown(model, result, i, worst)
+    is_everywhere = limit.kind != "happens" and np.isfinite(result.margins[i]).all()
+    return is_everywhere and not occurs(model, limit, q)
 
 
 def is_refuted(model: ModelEvaluator, result: LimitAssessment, i: int) -> bool:
@@ -174,6 +185,13 @@ def is_refuted(model: ModelEvaluator, result: LimitAssessment, i: int) -> bool:
     if limit.surrogate.fit is None:
         return _sure_occurrence(model, limit, q) == -1
     return bool(limit.best(-free.astype(float), free.astype(float))[0] < -limit.error)
+
+
+def occurs(model: ModelEvaluator, limit: Any, q: int, sign: int = 1) -> bool:
+    """Return whether quantity `q` surely exists in the whole box; sign -1: whether it nowhere
+    does."""
+    always_exists = model.experiment.quantity_list[q].always_exists
+    return always_exists or _sure_occurrence(model, limit, q) == sign
 
 
 def _sure_occurrence(model: ModelEvaluator, limit: Any, q: int) -> int:
@@ -285,8 +303,7 @@ def _judge_limits(
     runs = len(model.distinct_rows) + model.rest_count + len(model.failed_points)
     # What so many runs in any places miss with a chance of 5 % is not excluded.
     bound = min(1.0, _RULE_OF_THREE / runs)
-    is_open = (result.margins[i].min() >= 0 and not is_shown(model, result, i) for i in indices)
-    if has_failures or any(is_open):
+    if has_failures or any(is_open(model, result, i) for i in indices):
         open_ = max(open_, bound)
     verdict = "some"
     if is_met.all() and not has_failures:
@@ -354,7 +371,7 @@ def _combine(
         ]
         if len(model.failed_points) or any(
             (worst[i] >= 0 and sure[i] < result.limits[i].error)
-            or (result.margins[i].min() >= 0 and not is_shown(model, result, i, sure[i]))
+            or is_open(model, result, i, sure[i])
             for i in indices
         ):  # as of the whole box: what so many runs miss is not excluded
             bound = min(1.0, _RULE_OF_THREE / row["runs"])

@@ -310,13 +310,14 @@ def _bounds(
 def _follow_ends(
     climbs: _Climbs, bounds: list[QuantityBounds], mispredictions: np.ndarray
 ) -> list[QuantityBounds]:
-    """Return the bounds with what further runs tell of times that may grow without an end: those
-    whose upper bound has an error, or lies beside where they cease."""
+    """Return the bounds by all runs, with what further ones tell of times that may grow without an
+    end: those whose upper bound has an error, or lies beside where they cease."""
+    count = len(climbs.model.points)
     verdicts = [
         grows_without_end(climbs.model, q, b.argmax, b.upper - b.lower) if b.is_growing else None
         for q, b in enumerate(bounds)
     ]
-    if set(verdicts) == {None}:
+    if set(verdicts) == {None} and len(climbs.model.points) == count:
         return bounds
     rows = zip(climbs.model.surrogates(), mispredictions, verdicts, strict=True)
     return [_bounds(climbs, q, *row[:2], True, row[2]) for q, row in enumerate(rows)]

@@ -23,6 +23,8 @@ _QUESTIONS = {
 }
 """Questions that each case answers by itself, and the macro of the answer."""
 
+_RELIANCE = "sound_numbers", "unsound_curves", "independence", "covered"
+
 GROUPS = {"none": 0, "some": 0, "undecided": 1, "all": 2}  # which verdicts decide before others
 
 
@@ -60,18 +62,15 @@ def facts_of_cases(
 
     requirements = [*_requirements(summaries, severity)]
     verdicts = {name: facts.get("together") for name, facts in summaries.items()}
-    notes: dict[str, list[str]] = {}
-    answers: dict[str, dict[str, list[str]]] = {question: {} for question in _QUESTIONS}
     # Cases that fail come first: what they ask for is to be read before the rest.
-    for name in sorted(
-        summaries, key=lambda name: GROUPS[(verdicts[name] or {"met": "all"})["met"]]
-    ):
-        facts = summaries[name]
-        for text in _notes(facts):
-            notes.setdefault(text, []).append(name)
-        for question, macro in _QUESTIONS.items():
-            text = sentence(macro, facts, escapes=False).strip()
-            answers[question].setdefault(text, []).append(name)
+    order = sorted(summaries, key=lambda name: GROUPS[(verdicts[name] or {"met": "all"})["met"]])
+    notes = _group_texts((name, text) for name in order for text in _notes(summaries[name]))
+
+    def say(macro: str) -> list[dict[str, Any]]:
+        return _group_texts(
+            (name, sentence(macro, summaries[name], escapes=False)) for name in order
+        )
+
     return {
         "campaign": campaign,
         "cases": [
@@ -103,11 +102,9 @@ def facts_of_cases(
             key=lambda row: (row["bands"] or 0.0, row["fraction"]), default=None,
         ),
         "runs": sum(facts["runs"]["all"] for facts in summaries.values()),
-        "answers": {
-            question: [{"text": text, "cases": names} for text, names in rows.items()]
-            for question, rows in answers.items()
-        },
-        "notes": [{"notes": text, "cases": names} for text, names in notes.items()],
+        "answers": {question: say(macro) for question, macro in _QUESTIONS.items()},
+        "reliance": [row for macro in _RELIANCE for row in say(macro)],
+        "notes": notes,
     }  # fmt: skip
 
 
@@ -236,9 +233,17 @@ def _changes_text(changes: Mapping[str, Any], facts: Mapping) -> str:
 
 
 def _notes(facts: Mapping) -> list[str]:
-    """List what makes the numbers of a case doubtful."""
+    """List what makes the numbers of a case doubtful, beside what it says of its reliance."""
     notes = [f"{text}." for text in doubts(facts)]
     if "accuracy" in facts and not facts["accuracy"]["met"]:
         notes.append(sentence("accuracy", facts, escapes=False))
-    macros = "reliance", "missed", "unreliable"
-    return [*notes, *filter(None, (sentence(m, facts, escapes=False).strip() for m in macros))]
+    notes.append(sentence("missed", facts, False, escapes=False))
+    return [*notes, sentence("mixed", facts, escapes=False)]
+
+
+def _group_texts(texts: Iterable[tuple[str, str]]) -> list[dict[str, Any]]:
+    """Group cases (first of each pair) by what is said of them (last), in the order of texts."""
+    cases: dict[str, list[str]] = {}
+    for case, text in texts:
+        cases.setdefault(text.strip(), []).append(case)
+    return [{"text": text, "cases": names} for text, names in cases.items() if text]

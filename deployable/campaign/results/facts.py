@@ -336,7 +336,7 @@ def has_effect(influence: Mapping, row: Mapping, key: str) -> bool:
 def gains(half: Mapping[str, float]) -> bool:
     """Return whether an interval that is half as wide raises the share of the box that meets all
     requirements by more than the error of that. half: of a parameter, in `together.halved`."""
-    return half["gain"] > max(half["gain_uncertainty"], half["share_uncertainty"])
+    return half["gain"] > half["gain_uncertainty"]
 
 
 def best_halvings(halved: Mapping[str, Mapping]) -> list[str]:

@@ -11,7 +11,7 @@ from deployable.campaign.config.own_runs import CONSTANT_TEXT
 from deployable.campaign.provenance import program_digest
 from deployable.campaign.results import facts
 from deployable.campaign.results.response_bounds import COMPONENTS, LARGE
-from deployable.campaign.text import numbers
+from deployable.campaign.text import negate, numbers
 from fpm.kernels.sources import user_cache
 
 _FOLDERS = [Path(__file__).parents[1] / room for room in ("results", "report", "cli")]
@@ -45,7 +45,7 @@ def environment(units: Iterable[str] = (), html: bool = False) -> Any:
     )  # fmt: skip
     filters = {
         numbers: ("number", "quantity", "percent", "share", "interval", "place", "spread", "pretty",
-                  "position", "with_error", "code"),
+                  "position", "with_error", "with_unit", "code", "ends"),
         facts: ("decisive", "moments", "happens_only", "has_effect", "fitted_width", "scarcest",
                 "is_tight", "missing_only", "largest", "gains", "best_halvings",
                 "worst_case", "worst_limit", "roomier", "contact_bound"),
@@ -53,7 +53,7 @@ def environment(units: Iterable[str] = (), html: bool = False) -> Any:
     for module, names in filters.items():
         env.filters |= {name: getattr(module, name) for name in names}
     env.filters |= {
-        "met_text": met_text, "doubts": doubts,
+        "met_text": met_text, "doubts": doubts, "negate": negate,
         "capitalise": lambda text: text[:1].upper() + text[1:],
         "first_lower": lambda text: text[:1].lower() + text[1:],
         "coded": partial(numbers.to_html, units=units),
@@ -73,7 +73,7 @@ def summary_text(facts: Mapping[str, Any], template: str = "summary.md.jinja") -
     return re.sub(r"\n{3,}", "\n\n", text).rstrip() + "\n"
 
 
-_SENTENCES = ("doubt", "headline", "notes", "text")
+_SENTENCES = ("doubt", "headline", "text")
 """Keys of texts that keep all backticks; others keep those about a name."""
 
 

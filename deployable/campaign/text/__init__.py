@@ -66,3 +66,13 @@ def words_of(quantity: Any, shown_unit: Callable | None = None) -> dict[str, str
         text = text.replace(quantity.response.long_name, name) if quantity.response else text
         return {"event": f"there is a {text}", "words": text}
     return {"event": happens, "words": f"time at which {happens}"}
+
+
+def negate(event: str) -> str:
+    """Write that an event (`words_of`) does not happen: `the latch L does not latch`."""
+    names, tick, verb = event.rpartition("`")
+    text, count = re.subn(r"\bis\b", "is not", verb, count=1)
+    if not count:
+        text, count = re.subn(r"\b(\w+?)(?:(?<=ch|ss)es|s)\b", r"does not \1", verb, count=1)
+    is_plain = count and not re.search(" and | or |^there is", event)
+    return names + tick + text if is_plain else f"it does not happen that {event}"

@@ -97,6 +97,16 @@ def interval(row: Mapping[str, Any]) -> str:
     difference."""
     if row["lower"] is None:
         return ""
+    first, last = ends(row)
+    if row.get("censored_at"):
+        most = quantity(row["censored_at"], row["units"])
+        return f"{first} to more than {most} (the end of the runs)"
+    text = with_unit(f"{first} to {last}", row["units"])
+    return f"{text} (it may have no upper end)" if row.get("may_be_endless") else text
+
+
+def ends(row: Mapping[str, Any]) -> list[str]:
+    """Write both bounds of a quantity's interval (its dict), as `interval` does, without unit."""
     lower, upper = row["lower"], row["upper"]
     error, width = row.get("error") or 0.0, upper - lower
     size = max(abs(lower), abs(upper))
@@ -104,14 +114,8 @@ def interval(row: Mapping[str, Any]) -> str:
     if error > 0 < width:
         places = min(places, -_power(min(error, width / 10)))
     if 0 <= places <= 9:
-        ends = [f"{x:z.{places}f}".replace("-", "−") if x else "0" for x in (lower, upper)]
-    else:
-        ends = [number(x, max(1, min(9, places + 1 + _power(size)))) for x in (lower, upper)]
-    if row.get("censored_at"):
-        most = quantity(row["censored_at"], row["units"])
-        return f"{ends[0]} to more than {most} (the end of the runs)"
-    text = with_unit(f"{ends[0]} to {ends[1]}", row["units"])
-    return f"{text} (it may have no upper end)" if row.get("may_be_endless") else text
+        return [f"{x:z.{places}f}".replace("-", "−") if x else "0" for x in (lower, upper)]
+    return [number(x, max(1, min(9, places + 1 + _power(size)))) for x in (lower, upper)]
 
 
 def _power(value: float) -> int:

@@ -123,13 +123,14 @@ class Draft:
         self._names = Names(Problems(""), {})
         self._add_bodies()
         self._add_joints()
-        self._add_loops()
+        if (xml := parse(path).getroot()).tag != "robot":  # whose equalities are of `mimic`
+            xml = fromstring(spec.to_xml())
+            self._add_loops()
         self._add_tendons()
         self._add_actuators()
         if not self.table["bodies"]:
             raise CampaignError(f"{path} has no body that moves; allowed: a model with joints")
-        xml = parse(path).getroot()
-        self._note_others(xml if xml.tag == "robot" else fromstring(spec.to_xml()))
+        self._note_others(xml)
 
     def _leave_meshes(self, spec: Any) -> None:
         """Make spheres of meshes whose mass does not count, as their files are often elsewhere."""
@@ -354,7 +355,7 @@ class Draft:
             for key, text in element.attrib.items():
                 is_poly = key in ("stiffness", "damping") and any(map(float, text.split()[1:]))
                 if is_poly or not re.fullmatch(EQUIVALENTS[element.tag], key):
-                    self.leave_out(f"{key} of {name}")
+                    self.leave_out(f"{'nonlinear part of ' * is_poly}{key} of {name}")
             self._note_others(element)
 
 
@@ -490,8 +491,7 @@ class Tree:
             _put(element, springref=moment / (float(element.get("stiffness")) or 1.0))
 
     def _add_site(self, name: str, beam: Any) -> None:
-        place = beam.end_in(self.scene)
-        _put(self.bodies[beam.particle], "site", name=name, pos=place, size=0.005)
+        _put(self.bodies[beam.particle], "site", name=name, pos=beam.end_in(self.scene), size=0.005)
 
     def _add_loops(self, joints: list) -> None:
         """Add equalities for joints; the second of a revolute one lies further along its axis."""

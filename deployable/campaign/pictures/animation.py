@@ -56,7 +56,7 @@ def _write_video(images: list[np.ndarray], path: Path) -> Path:
 
     if not FFMpegWriter.isAvailable():
         raise CampaignError("mp4 needs ffmpeg, which is not installed; allowed: gif, webp")
-    rate = max(1, round(len(images) / SECONDS))
+    rate: Any = len(images) / SECONDS  # ffmpeg takes fractions
     height, width = (2 * (size // 2) for size in images[0].shape[:2])  # as the codec asks
     figure = make_figure(figsize=(width / _DPI, height / _DPI), dpi=_DPI)
     picture = figure.figimage(images[0][:height, :width])

@@ -6,6 +6,7 @@ import codecs
 import csv
 import hashlib
 import re
+from collections.abc import Container
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -17,7 +18,7 @@ import numpy as np
 
 from fpm.arithmetic.units import Unit, UnitError, translate, unit
 from fpm.errors import fold_name
-from fpm.files.seals import DamagedError, read_bytes
+from fpm.files.seals import read_bytes
 
 EXAMPLE = "`t [s],angle [rad]`"
 
@@ -34,11 +35,15 @@ _THOUSANDS_OR_DECIMALS = re.compile(r"[-+]?[1-9]\d{0,2}\.\d{3}")
 _WITH_DECIMAL_COMMA = re.compile(r"[-+]?\d{1,3}(?:\.\d{3})+,\d*|[-+]?\d{1,3}(?:\.\d{3}){2,}|[^.]*")
 _WITH_THOUSANDS = re.compile(r"[-+]?\d{1,3}(?:,\d{3})+(?:\.\d*)?|[^,]*")
 _COMMENT = re.compile(r"[\s;,]*$|\s*([#%!]|//)")  # an empty line, or a comment
+_COMMA_PAIR = re.compile(rf"(?:[-+−]?\d+(?:,\d+{_POWER})?)?")
+_SPACED_THOUSANDS = re.compile(r"[-+−]?\d{1,3}(?:['’_\s]\d{3})+(?:[.,]\d*)?")
 _SHEET_ERROR = re.compile(r"#+|#[^\sa-z]*[!?]|#N/?[A-Z]")  # in any language
 _IN_BRACKETS = re.compile(r"(.*?)\s*(?:\[([^\[\]]*)\]|\(([^()]*)\))")
 _BEHIND_SLASH = re.compile(r"([^/]*[^/\s])\s*/\s*(?:\(([^()]+)\)|([^()]+))")
 NO_UNIT = f"it has no unit; allowed: such as {EXAMPLE}"
 _TIMES = ("t", "time", "zeit", "temps", "tiempo", "tempo", "timestamp")
+_USUAL_TIME = re.compile(rf"\W*(?:(?:elapsed|running|test) ?)?(?:{'|'.join(_TIMES)})[\W\d_]*")
+_OTHER_FORMATS = {b"PK\3": "a workbook (.xlsx) or an archive", b"\x1f\x8b\x08": "compressed (.gz)"}
 
 
 class CurvesFileError(ValueError):
@@ -49,7 +54,7 @@ class CurvesFileError(ValueError):
 class CurvesFile:
     """Content of a CSV file of curves of time. times (r,): s, increasing; columns: others (r,) by
     name, SI units; units: of these in the file by name; digest: of the file; time_unit: s, of the
-    times in the file; faults: why other columns cannot be used, by name."""
+    times in the file; faults: why other columns cannot be used, by name; doubts: warnings."""
 
     times: np.ndarray
     columns: dict[str, np.ndarray]
@@ -57,12 +62,14 @@ class CurvesFile:
     digest: str
     time_unit: float
     faults: dict[str, str] = field(default_factory=dict)
+    doubts: tuple[str, ...] = ()
 
     @classmethod
     def read(cls, path: str | Path) -> CurvesFile:
         """Read the CSV file `path` of curves, into SI units: names with units, or a line of each,
         above rows of numbers. One column is the time, which increases. Raises `CurvesFileError`."""
         table = CsvTable(path, EXAMPLE)
+        table.refuse_decimal_commas()
         time, *copies = _time_columns(table)
         times = table.numbers(time, may_repeat=True)
         if len(reversals := np.flatnonzero(np.diff(times) <= 0)):
@@ -78,7 +85,10 @@ class CurvesFile:
                 units[name] = table.units[number]
             except CurvesFileError as error:
                 faults[name] = str(error)
-        return cls(times, columns, units, table.digest, table.units[time].si(1.0), faults)
+        name, factor = table.names[time], table.units[time].si(1.0)
+        text = f"the time in {path} is the column `{name}`: if this is right, call it `t`"
+        doubts = () if _USUAL_TIME.fullmatch(name.lower()) else (text,)
+        return cls(times, columns, units, table.digest, factor, faults, doubts)
 
 
 def _time_columns(table: CsvTable) -> list[int]:
@@ -114,13 +124,15 @@ def _time_columns(table: CsvTable) -> list[int]:
 
 def _decode(content: bytes) -> str:
     """The text of a file in UTF-8 or UTF-16, or in the code page of western Windows."""
+    if words := _OTHER_FORMATS.get(content[:3]):
+        raise ValueError(f"it is {words}")
     is_wide = content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
     try:
         text = content.decode("utf-16" if is_wide else "utf-8-sig")
     except UnicodeDecodeError:
-        text = content.decode("cp1252")
+        text = content.decode("cp1252", "replace").replace("\ufffd", "\0")
     if "\0" in text:
-        raise ValueError
+        raise ValueError("it is not UTF-8 text (perhaps UTF-16 without a byte order mark)")
     return text
 
 
@@ -134,10 +146,9 @@ class CsvTable:
         try:
             content = read_bytes(path)
             text = _decode(content)
-        except (OSError, UnicodeDecodeError, ValueError) as error:
-            damage = error.reason if isinstance(error, DamagedError) else "it is not UTF-8 text"
-            reason = getattr(error, "strerror", None) or damage
-            raise CurvesFileError(f"{path}: {reason}; allowed: a CSV file") from None
+        except (OSError, ValueError) as error:
+            reason = getattr(error, "strerror", None) or getattr(error, "reason", error)
+            raise CurvesFileError(f"{path}: {reason}; allowed: a CSV file in UTF-8") from None
         self.digest = hashlib.sha256(content).hexdigest()[:16]
         text = re.sub(r"[\r\n][\s;,]*\Z", "", text)  # rows of separators end a sheet
         lines = list(enumerate(re.split(r"\r\n|\r|\n", text), 1))
@@ -156,6 +167,8 @@ class CsvTable:
         if not rows:
             self.refuse(1, f"'' is not a line of names with units; allowed: such as {example}")
         number, head = rows[0]
+        while head.count('"') % 2 and any('"' in line for _, line in lines[number:]):
+            head, number = f"{head} {lines[number][1]}", number + 1  # a line break in quotes
         cells = _cells(head, separator or _separator(head))
         if all(map(_DIGITS.fullmatch, cells)):  # names may stand in a comment
             lines_above = [line for line in lines[: number - 1] if line[1].strip(" \t;,")]
@@ -172,6 +185,7 @@ class CsvTable:
             raise CurvesFileError(f"{self.path}: no rows; allowed: rows of numbers")
         table = [_cells(line, self.separator) for _, line in self.rows]
         count = least = len(self.names)
+        has_more = {*map(len, table)} == {count + 1}
         last = max((k for k, name in enumerate(self.names, 1) if name), default=0)
         if self.separator != " " and max(map(len, table)) >= last:  # some rows are long enough
             least = 0
@@ -179,12 +193,30 @@ class CsvTable:
             while row and not row[-1]:  # lines may end in separators
                 row.pop()
             if not least <= (size := len(row)) <= count:
-                is_comma = self.separator == "," and size == 2 * count
-                hint = " (decimal commas need semicolons between columns)" if is_comma else ""
+                is_comma = self.separator == "," and size > count and "." not in "".join(row)
+                hint = " (does the first column have no heading? Write its name)" * has_more
+                hint = " (decimal commas need semicolons between columns)" if is_comma else hint
                 text = f"{size} values{hint}; allowed: {count}, as in line {self.head}"
                 self.refuse(number, text)
             row += [""] * (count - size)
         return [*zip(*table, strict=True)]
+
+    def refuse_decimal_commas(self, names: Container[str] = ()) -> None:
+        """Refuse whole numbers between commas that could be numbers with decimal commas, as the
+        last columns are not used: they state no unit and are not called as one of `names`."""
+        table = enumerate(zip(self.names, self.units, strict=True))  # a bracket in a name has words
+        columns = [k for k, (n, u) in table if n in names or (u != NO_UNIT and n[-1:] != ")")]
+        end = columns[-1] + 1 if columns and self.separator == "," else len(self.names)
+        last = self.cells[end] if end < len(self.names) else ()
+        columns = columns if all(map(_COMMA_PAIR.fullmatch, last)) else columns[-1:]
+        for k in reversed(columns if any(last) else []):
+            pairs = [f"{a},{b}".rstrip(",") for a, b in zip(*self.cells[k : k + 2], strict=True)]
+            row = next((row for row, pair in enumerate(pairs) if "," in pair), 0)
+            pair, (line, content) = pairs[row], self.rows[row]
+            if all(map(_COMMA_PAIR.fullmatch, pairs)) and "," in pair and pair in content:
+                text = f"{pair!r} could be {pair.replace(',', '.')} or two numbers"
+                remedy = "decimal commas in quotes or beside semicolons, or a unit such as [1]"
+                self.refuse(line, f"{text}; allowed: {remedy} for column {end + 1}")
 
     def refuse(self, line: int, text: str) -> NoReturn:
         """Raise the error that something is wrong in a line (from 1)."""
@@ -207,18 +239,16 @@ class CsvTable:
         names, units = map(list, zip(*map(_name_with_unit, cells), strict=True))
         if rows and not any(isinstance(u, Unit) for u in units):
             words = [cell.strip("[]() ") for cell in _cells(rows[0][1], self.separator)]
-            row = [_unit(w) if re.search(r"[^\d.,eE+-]", w) else NO_UNIT for w in words]
+            row = [_unit(w) if re.search(r"[^\d.,eE+]", w) else NO_UNIT for w in words]
             # Units of columns that are not used may be any words.
             is_units = any(isinstance(u, Unit) for u in row) and not any(map(_DIGITS.match, words))
             if is_units and len(row) == len(cells):
                 rows.pop(0)
                 return [*map(fold_name, cells)], row
         for number, cell in enumerate(cells):
+            rest = "\n".join(names[:number] + names[number + 1 :])
             word = re.fullmatch(r"(.*\S)\s*\((min|in)\)", cell)
-            if not word:
-                continue
-            pattern = rf"{re.escape(word[1])}\s*\(.*\)"
-            if any(re.fullmatch(pattern, names[k]) and k != number for k in range(len(cells))):
+            if word and re.search(rf"(?m)^{re.escape(word[1])}\s*\(.*\)$", rest):
                 text = f"{cell!r} has a unit or another word in brackets"
                 units[number] = f"{text}; allowed: {word[1]} [{word[2]}] for the unit"
                 names[number] = fold_name(cell)
@@ -283,6 +313,8 @@ class CsvTable:
             texts.append(re.sub("[dD](?=[-+]?[0-9]+$)", "e", text))
             if not _NUMBER.fullmatch(texts[-1]) or not np.isfinite(float(texts[-1])):
                 allowed = "seconds since the start" if ":" in cell else "a finite number"
+                if _SPACED_THOUSANDS.fullmatch(cell):
+                    allowed = "the number without the sign between thousands"
                 text = f"{cell!r} is not allowed" if cell else f"the cell of {name} is empty"
                 self.refuse(line, f"{text}; allowed: {allowed}, or no such row")
         return column_unit.si(np.array(texts, dtype=object).astype(float))
@@ -324,7 +356,7 @@ def _unit(text: str) -> Unit | str:
     for form, words in _UNCLEAR.items():
         if re.search(form, text.strip()):
             return f"{text!r} could be {words}; allowed: one of these units"
-    factor, name = translate(text)
+    factor, name = translate("1" if text.strip() == "-" else text)
     try:
         si_unit = unit(name)
     except UnitError as error:

@@ -92,6 +92,16 @@ RIGHT = {
     "the same times twice": "t [s],angle [rad],t [ms]\n0,0.5,0\n0.5,-0.25,500\n1.25,1.125,1250\n",
     "a time for each channel": "time1 [s],angle [rad],time2 [s],x [mm]\n"
     "0,0.5,0,1\n0.5,-0.25,0.5,2\n1.25,1.125,1.25,3\n",
+    "names over two lines": '"t\n[s]","angle\n[rad]"\n' + R,
+    "a ratio": "t [s],ratio [-],angle [rad]\n" + R.replace(",", ",7,"),
+    "whole numbers of a column with a unit at the end": "t [s],angle [rad],cycle [-]\n"
+    + R.replace("\n", ",7\n"),
+    "an empty column before a note": "t [ms],angle [mrad],F [N],n\n"
+    "0,500,,2\n500,-250,,2\n1250,1125,,\n",
+    "spaces behind commas and whole numbers": "t [ms],angle [mrad],n\n"
+    "0, 500, 2\n500, -250, 2\n1250, 1125, 2\n",
+    "whole numbers of a column with an unknown unit at the end": "t [ms],angle [mrad],T [°C]\n"
+    "0,500,20\n500,-250,21\n1250,1125,21\n",
     "rows of separators at both ends": "t [s],angle [rad]\n,\n" + R + ",\n,\n",
 }
 
@@ -109,7 +119,7 @@ REFUSED = {
     ),
     "both commas": (SEMI + "0,5;0\n1;1,234.5\n", "line 2: '0,5' has a decimal comma, and"),
     "commas and decimal commas": (H + "0,0,0,5\n", "line 2: 4 values (decimal commas need semico"),
-    "a column without a name": (H + R.replace("\n", ",7\n"), "line 2: 3 values; allowed: 2"),
+    "a column without a name": (H + R.replace("\n", ",7\n"), "line 2: 3 values (does the f"),
     "a footer": (H + R + "END\n", "line 5: 'END' is not allowed; allowed: a finite number"),
     "a time that is missing": (H + R + ",7\n", "line 5: the cell of t is empty; allowed: a"),
     "a time twice": (H + "0,1\n0,1\n", "line 3: the time 0 s does not follow 0 s; allowed: incre"),
@@ -142,13 +152,43 @@ REFUSED = {
         "time1 [s],angle [rad],time2 [s],x [m]\n0,1,0,1\n1,2,,\n",
         "line 1: the time could be time1 (column 1, 0 to 1 s) or time2 (column 3); allowed: ",
     ),
-    "apostrophes": ("t [ms];angle [rad]\n0;1\n1'250;1\n", 'line 3: "1\'250" is not allowed'),
+    "apostrophes": (
+        "t [ms];angle [rad]\n0;1\n1'250;1\n",
+        'line 3: "1\'250" is not allowed; allowed: the number without the sign between thousands',
+    ),
+    "decimal commas and a column without a name": (
+        "t [ms],angle [rad],\n0,1,5\n10,2,5\n20,-3,25\n30,7\n",
+        "line 2: '1,5' could be 1.5 or two numbers; allowed: decimal commas in ",
+    ),
+    "decimal commas and a note": (
+        "t [ms],angle [rad],note\n0,1\n10,2,5e-1\n", "line 3: '2,5e-1' could be 2.5e-1 or two n"
+    ),
+    "times with decimal commas and a note": (
+        "t [s],angle [rad],note\n0,5,-3\n1,25,4\n", "line 2: '0,5' could be 0.5 or two numbers; "
+    ),
+    "two decimal commas and two notes": (
+        "t [s],angle [rad],note,by\n0,5,-3,25\n1,5,-4,75\n", "line 2: '0,5' could be 0.5 or two n"
+    ),
+    "decimal commas and a note on words": (
+        "t [ms],angle [rad],seen (by hand)\n0,1,5\n", "line 2: '1,5' could be 1.5 or two numbers"
+    ),
+    "decimal commas without a heading": (
+        "t [ms],angle [rad]\n0,1,5\n", "line 2: 3 values (decimal commas need semicolons betwee"
+    ),
+    "rows with names, as of R": (
+        '"t [s]" "angle [rad]"\n"1" 0 0.5\n"2" 1 2\n',
+        "line 2: 3 values (does the first column have no heading? Write its name); allowed: 2",
+    ),
+    "a workbook": (b"PK\3\4" + b"\0" * 9, "it is a workbook (.xlsx) or an archive; allowed: a CS"),
+    "a compressed file": (b"\x1f\x8b\x08\0", "it is compressed (.gz); allowed: a CSV file in UTF"),
     "quoted thousands": ('t [ms],angle [rad]\n0,1\n"1,250",1\n', "line 3: '1,250' could be 1.250"),
     "descriptions below names": ("t,angle\ntime,hinge\ns,rad\n" + R, "line 1: 't,angle' has no co"),
     "a line of dashes": ("t [s]  angle [rad]\n-----  -----\n0 0.5\n", "line 2: '-----' is not all"),
-    "names over two lines": ('"t\n[s]","angle\n[rad]"\n' + R, "line 1: quotes do not close where"),
+    "names that do not close": ('"t\n[s],angle [rad]\n' + R, "line 1: quotes do not close where"),
     "columns that touch": ("t [s] angle [rad]\n0.0E+00-0.5E+00\n", "line 2: 1 values; allowed: 2"),
-    "UTF-16 without its mark": ((H + R).encode("utf-16-le"), "it is not UTF-8 text; allowed: a"),
+    "UTF-16 without its mark": (
+        (H + R).encode("utf-16-le"), "it is not UTF-8 text (perhaps UTF-16 without a byte order"
+    ),
     "the end of a file of DOS": (H + R + "\x1a", "line 5: '\\x1a' is not allowed"),
     "tonnes or time": ("x [t],angle [rad]\n" + R, "line 1: 'x [t],angle [rad]' has no column with"),
     "another separator than sep": ("sep=,\n" + SEMI + R, "line 2: 't [s];angle [rad]' has no colu"),
@@ -174,7 +214,14 @@ UNUSABLE = {  # files with a time, whose column `angle` cannot be used
     "fused": ("t [s],angle [Nms/rad]\n" + R, "(did you mean N ms/rad or N m s/rad?)"),
     "plural": ("t [s],angle [rads]\n" + R, "'rads' is not a unit (did you mean rad or rad s?)"),
     "pounds": ("t [s],angle [in-lb]\n" + R, "could be a mass (kg) or a force (lbf); allowed"),
-    "underscores": (H + R + "2,1_000\n", "line 5: '1_000' is not allowed"),
+    "underscores": (
+        H + R + "2,1_000\n",
+        "line 5: '1_000' is not allowed; allowed: the number with",
+    ),
+    "narrow spaces between thousands": (
+        SEMI + "0;1\u202f234,5\n",
+        "allowed: the number without the sign between thousands",
+    ),
     "a name twice": ("t [s],angle [rad],angle [deg]\n0,1,2\n", "the column angle stands twice"),
     "a unit without brackets": ("t [s],angle m/s\n" + R, "angle m/s: it has no unit; allowed"),
     "two units": ("t [s],angle [deg] (rad)\n" + R, "'angle [deg] (rad)' has two units; allowed"),
@@ -212,6 +259,16 @@ def test_a_column_that_cannot_be_used_says_why(tmp_path, content, words):
     assert "; allowed: " in fault
 
 
+@pytest.mark.parametrize(("name", "is_odd"), [
+    ("t", 0), ("Time", 0), ("Zeit 1", 0), ("Elapsed Time", 0), ("dwell", 1), ("test", 1),
+    ("dwell time", 1), ("tempo_2", 0), ("trigger", 1),
+])  # fmt: skip
+def test_a_time_with_an_odd_name_is_questioned(tmp_path, name, is_odd):
+    file = read(tmp_path, f"cycle,{name} [ms],M [N m]\n0,10,1.5\n1,20,2.5\n")
+    text = f"the time in {tmp_path / 'curves.csv'} is the column `{name}`: if this is right, call "
+    assert [text in doubt for doubt in file.doubts] == [True] * is_odd
+
+
 @pytest.mark.parametrize(("head", "used", "faulty"), [
     ("t [s],x (min),x (max)", [], ["x (min)", "x (max)"]),  # no minutes
     ("t [s],F (in),F (out)", [], ["F (in)", "F (out)"]),  # no inches
@@ -219,7 +276,7 @@ def test_a_column_that_cannot_be_used_says_why(tmp_path, content, words):
     ("t,x,temp\ns,mm,°C", ["x"], ["temp"]), ("t,x,load\nms,mm,%", ["x"], ["load"]),
 ])  # fmt: skip
 def test_words_in_brackets_and_units_of_unused_columns(tmp_path, head, used, faulty):
-    file = read(tmp_path, f"{head}\n0,1,20\n1,2,30\n")
+    file = read(tmp_path, f"{head}\n0,1.5,20\n1,2.5,30\n")
     assert ([*file.columns], [*file.faults]) == (used, faulty)
 
 

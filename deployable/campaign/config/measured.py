@@ -155,11 +155,12 @@ def _value_problems(test: MeasuredTest, experiment: Experiment) -> Iterator[str]
 
 
 def measured_warnings(campaign: Campaign) -> Iterator[str]:
-    """Yield a warning for each measured curve of a `Campaign` whose band exceeds the whole curve,
-    or whose times or values hardly fit the unit that its file states."""
+    """Yield warnings of measured curves of a `Campaign` whose band exceeds the whole curve, whose
+    times or values hardly fit the unit that the file states, or whose time has an odd name."""
     experiment = campaign.experiment
     responses = {curve.name: curve for curve in experiment.response_list}
     for name, test in campaign.measured.items():
+        yield from (f"measured.{name}: {text}" for text in CurvesFile.read(test.file).doubts)
         curves, duration = read_test(test), experiment.solver.duration
         is_whole = test.window is None or test.window[0] - curves.start < duration
         if not duration / ODD <= curves.length <= (LARGEST * duration if is_whole else np.inf):

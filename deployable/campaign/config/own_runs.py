@@ -71,6 +71,7 @@ def _read_columns(design: Any, experiment: Any) -> tuple[dict[str, np.ndarray], 
     table, columns, names = CsvTable(design.file), {}, ", ".join(experiment.intervals)
     if design.digest not in ("", table.digest):
         table.refuse(1, "it changed since it was checked; allowed: the campaign again")
+    table.refuse_decimal_commas(experiment.intervals)
     for number, name in enumerate(table.names):
         if name in experiment.intervals:
             symbol = experiment.scene_type.parameters[name].unit.replace("degree", "deg")

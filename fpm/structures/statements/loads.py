@@ -90,6 +90,7 @@ def curve(build, args):
     if column not in args.file.columns:
         allowed = f"a column of the file, {', '.join((*args.file.columns, *args.file.faults))}"
         raise SceneError("column", column, allowed, args.file.faults.get(column, ""))
+    build.scene.doubts += args.file.doubts
     return build.scene.add_curve(args.file.times, args.file.columns[column], smooth)
 
 

@@ -206,7 +206,10 @@ class CsvTable:
         last columns are not used: they state no unit and are not called as one of `names`."""
         table = enumerate(zip(self.names, self.units, strict=True))  # a bracket in a name has words
         columns = [k for k, (n, u) in table if n in names or (u != NO_UNIT and n[-1:] != ")")]
-        end = columns[-1] + 1 if columns and self.separator == "," else len(self.names)
+        is_unclear = self.separator == "," and len(columns) > (
+            not names
+        )  # also a curve, not only t
+        end = columns[-1] + 1 if is_unclear else len(self.names)
         last = self.cells[end] if end < len(self.names) else ()
         columns = columns if all(map(_COMMA_PAIR.fullmatch, last)) else columns[-1:]
         for k in reversed(columns if any(last) else []):

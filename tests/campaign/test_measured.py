@@ -110,6 +110,7 @@ def test_a_band_larger_than_its_curve_is_warned_of(raw):
     [
         ("t [ms],angle [rad]\n0.1,2\n0.2,1.9\n0.3,1.8\n", "span 0.0002 s, and a run 3 s: check"),
         ("t [s],angle [rad]\n0,2\n0.1,1.9\n0.2,1.8\n400,1.8\n", "span 400 s, and a run 3 s: "),
+        ("wait [s],angle [rad]\n0,2\n1,1.9\n2,1.8\n", "csv is the column `wait`: if this is right"),
         ("t [s],angle [rad]\n0.1,116\n0.2,109\n0.3,103\n", "phi reaches 116 rad in"),
         ("t [s],angle [deg]\n0.1,2\n0.2,1.9\n0.3,1.8\n", "phi reaches 0.03491 rad in"),
     ],
@@ -120,7 +121,7 @@ def test_a_unit_that_makes_times_or_values_improbable_is_questioned(raw, curves,
     Path(raw["measured"]["swing"]["file"]).write_text(curves)
     raw["measured"]["swing"] |= {"window": [0, 3]} if "400" in curves else {}
     (text,) = measured_warnings(check_config(raw))
-    assert words in text and "unit" in text
+    assert words in text
     raw["measured"]["swing"].pop("window", None)
     ends = ("s", "ms", 2000), ("ms", "us", 2e6), ("s", "us", 2e6), ("min", "s", 2), ("s", "", 2e4)
     for header, true, end in ends:

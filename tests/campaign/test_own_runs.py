@@ -90,6 +90,7 @@ def test_rows_are_the_runs(config, tmp_path, text):
         ("k ± 1,c\n0.05,0\n", {}, "there is no interval k ± 1 (did you mean k?), and no column k;"),
         ("k,cc\n0.05,0\n", {}, "there is no interval cc (did you mean c?), and no column c;"),
         ("k [m],c\n0.05,0\n", {}, "line 1: the unit of k does not fit; allowed: N m rad-1"),
+        ("run,k [N mm/rad],note\n1,45,0\n2,47,5\n", {}, "line 2: '45,0' could be 45.0 or two num"),
         ("run,note\n1,a\n", {}, "line 1: no column of a parameter; allowed: k, c"),
         ("k,c\n0.05,0\n0.051,1e-4\n", {}, "design: 3 runs with the nominal one do not "),
         (ROWS, {"order": 3}, "design.order: not allowed beside design.file; allowed: one of"),

@@ -307,7 +307,7 @@ def test_names_with_spaces_and_times_before_0(tmp_path):
 ])  # fmt: skip
 def test_a_record_that_runs_hardly_reach_is_questioned(tmp_path, times, fitting, odd):
     rows = "".join(f"{time},{k % 2}\n" for k, time in enumerate(times))
-    (tmp_path / "push.csv").write_text("t [s],F [N]\n" + rows)
+    (tmp_path / "push.csv").write_text("dwell [s],F [N]\n" + rows)
     (tmp_path / "arm.yaml").write_text(
         "parameters: {k: {value: 1, unit: N m/rad}}\npoints: {O: [0, 0, 0], C: [1, 0, 0]}\n"
         "bodies: {arm: {mass: 1, centre: C, points: [O], inertia: [1, 1, 1]}}\n"
@@ -326,3 +326,6 @@ def test_a_record_that_runs_hardly_reach_is_questioned(tmp_path, times, fitting,
             f"values lasts from {times[0]:.12g} to {times[-1]:.12g} s: check the unit of its times"
         )
         assert [any(words in text for text in campaign.experiment.warnings)] == expected
+        assert any(
+            "push.csv is the column `dwell`" in text for text in campaign.experiment.warnings
+        )

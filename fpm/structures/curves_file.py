@@ -184,11 +184,10 @@ class CsvTable:
         if not self.rows:
             raise CurvesFileError(f"{self.path}: no rows; allowed: rows of numbers")
         table = [_cells(line, self.separator) for _, line in self.rows]
-        count = least = len(self.names)
-        has_more = {*map(len, table)} == {count + 1}
+        count, has_more = len(self.names), {*map(len, table)} == {len(self.names) + 1}
         last = max((k for k, name in enumerate(self.names, 1) if name), default=0)
-        if self.separator != " " and max(map(len, table)) >= last:  # some rows are long enough
-            least = 0
+        is_long = self.separator != " " and max(map(len, table)) >= last  # some rows are
+        least = 0 if is_long else count
         for (number, _), row in zip(self.rows, table, strict=True):
             while row and not row[-1]:  # lines may end in separators
                 row.pop()
@@ -206,20 +205,18 @@ class CsvTable:
         last columns are not used: they state no unit and are not called as one of `names`."""
         table = enumerate(zip(self.names, self.units, strict=True))  # a bracket in a name has words
         columns = [k for k, (n, u) in table if n in names or (u != NO_UNIT and n[-1:] != ")")]
-        is_unclear = self.separator == "," and len(columns) > (
-            not names
-        )  # also a curve, not only t
-        end = columns[-1] + 1 if is_unclear else len(self.names)
-        last = self.cells[end] if end < len(self.names) else ()
+        if self.separator != "," or len(columns) <= (not names):  # no curve beside the time
+            return
+        last = [cell for cells in self.cells[columns[-1] + 1 :][:1] for cell in cells if cell]
         columns = columns if all(map(_COMMA_PAIR.fullmatch, last)) else columns[-1:]
-        for k in reversed(columns if any(last) else []):
+        for k in reversed(columns if last else []):
             pairs = [f"{a},{b}".rstrip(",") for a, b in zip(*self.cells[k : k + 2], strict=True)]
             row = next((row for row, pair in enumerate(pairs) if "," in pair), 0)
             pair, (line, content) = pairs[row], self.rows[row]
             if all(map(_COMMA_PAIR.fullmatch, pairs)) and "," in pair and pair in content:
                 text = f"{pair!r} could be {pair.replace(',', '.')} or two numbers"
                 remedy = "decimal commas in quotes or beside semicolons, or a unit such as [1]"
-                self.refuse(line, f"{text}; allowed: {remedy} for column {end + 1}")
+                self.refuse(line, f"{text}; allowed: {remedy} for the last column")
 
     def refuse(self, line: int, text: str) -> NoReturn:
         """Raise the error that something is wrong in a line (from 1)."""

@@ -22,7 +22,7 @@ def test_a_bad_config_is_refused_before_any_job(workplace):
     path = workplace.config("bad", text)
     refused = workplace.snakemake("--configfile", path)
     assert refused.returncode != 0
-    for word in ["bad.yaml", "intervals.K_C", "lower end -1"]:
+    for word in ["bad.yaml", "intervals.K_C", "lower end, -1"]:
         assert word in refused.stdout
     assert "Traceback" not in refused.stdout
     assert "Job stats" not in refused.stdout

@@ -94,13 +94,12 @@ def root_coordinates(margins: np.ndarray, scale: float) -> np.ndarray:
     return 2.0 * np.sqrt(np.clip(margins / scale, 0.0, 1.0)) - 1.0
 
 
-def root_fit(
-    points: np.ndarray, values: np.ndarray, border: Occurrence, margins: np.ndarray
-) -> Fit | None:
+def root_fit(points: np.ndarray, values: np.ndarray, border: Occurrence) -> Fit | None:
     """Fit values (N) of runs at `points` (N, k) in [-1, 1]^k as a function of the points and of the
-    roots of event margins (N), above 0 where an event occurs: a `Fit` of a `RootFunction`; None
-    where no margin is positive, or for at most 4 runs. border: of the event, whose decision
-    function gives the margin at any points; margins (N): those of the runs."""
+    roots of event margins, above 0 where an event occurs: a `Fit` of a `RootFunction`; None where
+    no margin is positive, or for at most 4 runs. border: of the event, whose decision function
+    gives the margin at any points. Leave-one-out errors include those of the margins."""
+    margins = border.run_margins(points)[0]
     scale = float(margins.max(initial=0.0))
     if not scale > 0 or len(values) <= _LEAST_RUNS:
         return None
@@ -109,9 +108,11 @@ def root_fit(
     def add_root(fit: Fit | None) -> Fit | None:
         if fit is None:
             return None
-        kind = f"{fit.kind}, with a root at its border"
+        kind, x = f"{fit.kind}, with a root at its border", fit.points[:, :-1]
         function: Any = fit.function
-        return Fit(fit.points[:, :-1], fit.values, fit.left_out, kind,
+        roots = root_coordinates(border.run_margins(x)[1], scale)
+        drift = fit.evaluate(fit.points) - fit.evaluate(np.column_stack([x, roots]))
+        return Fit(x, fit.values, fit.left_out + drift, kind,
                    RootFunction(function, border, scale), add_root(fit.rival))  # fmt: skip
 
     return add_root(fit)

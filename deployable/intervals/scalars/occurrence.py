@@ -124,6 +124,12 @@ class Occurrence:
         margins (R): event margins, above 0 where it occurs."""
         return np.full(len(numbers), np.nan)
 
+    def run_margins(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Decision function (R) of runs at `points` (R, k), and as it is predicted of each from all
+        others (R); the same twice where that is not known."""
+        decision = self.decision(points)
+        return decision, decision
+
     @cached_property
     def open_fraction(self) -> float:
         """Volume fraction of the box (8192 points) where runs do not decide if the event occurs."""
@@ -322,6 +328,11 @@ class FittedOccurrence(Occurrence):
 
     def run_decision(self, numbers: np.ndarray, margins: np.ndarray) -> np.ndarray:
         return margins if self.latest is None else self.latest - numbers
+
+    def run_margins(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        rows = scipy.spatial.cKDTree(self.fit.points).query(points)[1]
+        values, left_out = self.fit.values[rows], self.fit.left_out[rows]
+        return values, values - left_out
 
     def band(self, points: np.ndarray) -> np.ndarray:
         return np.full(len(points), self.error)

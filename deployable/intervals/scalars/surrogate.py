@@ -282,9 +282,7 @@ def fit_scalar(
         fit = replace(fit, left_out=np.full(1, np.inf))
     occurrence = _occurrence(points, happens, fit, latest, margin)
     if occurrence.is_mixed and getattr(occurrence, "latest", None) is None:
-        is_known = isinstance(occurrence, FittedOccurrence)
-        margins = margin[happens] if is_known else occurrence.decision(points[happens])
-        edge_fit = root_fit(points[happens], values[happens], occurrence, margins)
+        edge_fit = root_fit(points[happens], values[happens], occurrence)
         if edge_fit is not None and edge_fit.mean_error < fit.mean_error:
             fit = edge_fit
     return ScalarSurrogate(

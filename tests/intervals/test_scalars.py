@@ -469,6 +469,23 @@ def test_a_difference_of_times_that_the_end_cuts_off_has_the_borders_of_both(mon
     assert len(calls) == 2
 
 
+@pytest.mark.parametrize("count", [20, 40])
+def test_a_root_of_margins_that_no_fit_describes_predicts_no_better_than_these(count):
+    """The value is exact in its run's margin, which jumps and bends where the event ceases."""
+
+    def told(x):
+        slack = 0.2 + 0.7 * x[:, 0] - 0.5 * x[:, 1] ** 2
+        values = x[:, 1] + np.sqrt(np.maximum(slack, 0.0) + 0.3)
+        margins = np.where(slack > 0, slack + 0.3, 5.0 * slack)
+        return np.where(slack > 0, values, np.nan), margins
+
+    points = np.concatenate([runs(2, order=2), scan_points(np.ones(2, bool), count, corners=False)])
+    values, margins = told(points)
+    surrogate, x = fit_scalar(points, values, margin=margins), scan_points(np.ones(2, bool), 4096)
+    errors = surrogate.predict(x) - told(x)[0]
+    assert np.sqrt(np.nanmean(errors**2)) < 2.0 * surrogate.fit.mean_error < 0.04
+
+
 def settling(x: np.ndarray) -> np.ndarray:
     """A number that rises to 1 along a direction, and stays there."""
     along = 0.44 - x @ [1.0, -0.9, 0.3, -0.3]

@@ -94,7 +94,8 @@ class ClosedEvaluator(ModelEvaluator):
         self.form, self.account = box, RunAccount()
         quantities = [
             SimpleNamespace(
-                name=name, long_name=name, unit="1", kind="largest", is_time=False, least=None,
+                name=name, long_name=name, unit="1", kind="largest", is_time=False,
+                limits=(-np.inf, np.inf),
                 response=SimpleNamespace(kind="sum", long_name=name, subjects=()),
                 number=1, instant=None,
                 always_exists=not (box.latest or self._comes_and_goes(name)),

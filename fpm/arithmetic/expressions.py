@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from fpm.arithmetic.ranges import ALL, Range, range_of
 from fpm.arithmetic.units import (
     BARE,
     CHAIN,
@@ -138,6 +139,7 @@ class Expression:
         try:
             tree = ast.parse(_SUFFIX.sub(self._quantity, text).strip(), mode="eval").body
             self._value, self.dimension = self._compile(tree)
+            self._tree = tree
         except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
             if isinstance(error, ExpressionError):
                 raise
@@ -162,6 +164,15 @@ class Expression:
         if not all(map(math.isfinite, parts)):
             raise ExpressionError("no finite number")
         return number
+
+    def range(self, names: Mapping[str, Range]) -> Range:
+        """Return limits (least, largest) of the value in SI units, infinite where none is known,
+        from those of each name."""
+        constants = {name: (value, value) for name, (value, _) in self.constants.items()}
+        try:
+            return range_of(self._tree, {**names, **constants, "pi": (math.pi, math.pi)})
+        except ArithmeticError:  # too large
+            return ALL
 
     def _quantity(self, match: re.Match) -> str:
         """A name for a number with a unit, which what stands beside it must leave together."""

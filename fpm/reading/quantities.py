@@ -177,6 +177,11 @@ class Quantity:
         return 0.0 if is_positive else (self.response and self.response.least)
 
     @property
+    def limits(self) -> tuple[float, float]:
+        """Physical bounds of the quantity, in its unit, infinite where there is none."""
+        return -np.inf if self.least is None else self.least, np.inf
+
+    @property
     def always_exists(self) -> bool:
         """Whether every run has the quantity, as a peak, unlike an event or a crossing."""
         if isinstance(self.instant, Quantity) and self.kind == "value":

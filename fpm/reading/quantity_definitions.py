@@ -20,9 +20,7 @@ from fpm.reading.quantities import KINDS, Quantity
 from fpm.reading.responses import Response, check_choice, kind_of
 
 _CALL = re.compile(r"(\w+)\s*\(")
-_MONOTONE = {"min", "max", "abs", "sqrt", "exp"}  # of values that are not below 0
 _CHOICE = re.compile(r"\b(?:min|max)\s*\(")
-_GROUP = r"\((?:[^()]|\([^()]*\))*\)"
 _ANGLE = re.compile(r"\b(?:m?rad|degree|rpm)(-?\d*)")
 
 
@@ -51,14 +49,12 @@ class QuantityExpression(Quantity):
 
     @property
     def least(self) -> float | None:
-        values: dict[str, Any] = {part.name: part.least for part in self.parts}
-        if self.is_choice and None not in values.values():
-            return self.combine(values)
-        even_power = rf"(?:\b(?:{'|'.join(values)})|\w*{_GROUP})\s*\*\*\s*[24](?![\w.])"
-        rest = re.sub(rf"{even_power}|\b(?:abs|sqrt|exp){_GROUP}", "1", self.text)
-        parts = [least for name, least in values.items() if re.search(rf"\b{name}\b", rest)]
-        is_monotone = {*_CALL.findall(rest)} <= _MONOTONE and "-" not in rest
-        return 0.0 if is_monotone and None not in parts and min(parts, default=0.0) >= 0 else None
+        least = self.limits[0]
+        return least if np.isfinite(least) else None
+
+    @property
+    def limits(self) -> tuple[float, float]:
+        return expressions.parse(self.text).range({part.name: part.limits for part in self.parts})
 
     @property
     def always_exists(self) -> bool:

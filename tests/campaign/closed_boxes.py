@@ -76,7 +76,8 @@ class ClosedBench(ModelEvaluator):
     def __init__(self, closed, count):
         box = Box(list("abcdef"[: closed.k]), [0.0] * closed.k, [1.0] * closed.k)
         late = closed.kind == "late"
-        number = SimpleNamespace(name="t", unit="s", is_time=late, least=None, instant=None,
+        number = SimpleNamespace(name="t", unit="s", is_time=late, instant=None,
+                                 limits=(-np.inf, np.inf),
                                  kind="crossing" if closed.kind == "margin" else "event",
                                  always_exists=closed.kind == "limit")  # fmt: skip
         if closed.kind == "limit":

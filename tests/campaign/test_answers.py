@@ -151,7 +151,7 @@ def test_a_quantity_is_drawn_over_its_parameters_and_no_lower_than_it_can_be(cou
     parameters = [{"name": name, "units": "m", "lower": 1.0, "upper": 3.0} for name in "ab"[:count]]
     runs = FittedRuns(x, speed[:, None], np.full((len(x), 1), np.nan))
     results = QuantityResults([row], parameters, 0, 0, None)
-    ax, *_ = ranges(results, runs, [fit_scalar(x, speed, least=0.0)]).axes
+    ax, *_ = ranges(results, runs, [fit_scalar(x, speed, limits=(0.0, np.inf))]).axes
     values = ax.lines[0].get_ydata() if count == 1 else ax.collections[0].get_array()
     assert 0.0 <= values.min() < 0.1 and values.max() == pytest.approx(0.7, abs=0.1)
     assert (ax.get_xlabel(), "b (m)" in ax.get_ylabel()) == ("a (m)", count == 2)

@@ -59,22 +59,28 @@ def test_numbers_of_a_decaying_wave(definition, exact):
     assert read(definition, WAVE) == pytest.approx(exact, abs=1e-6)
 
 
+ANY, POSITIVE = (-np.inf, np.inf), (0.0, np.inf)
+
+
 @pytest.mark.parametrize(
-    ("text", "unit", "exact", "is_time", "least"),
+    ("text", "unit", "exact", "is_time", "limits"),
     [
-        ("shut - half", "s", 0.5 - np.log(2), False, None),
-        ("max(shut, half)", "s", np.log(2), True, 0.0),
-        ("min(half, never)", "s", np.log(2), True, 0.0),  # of those that exist
-        ("shut + never", "s", np.nan, False, 0.0),
-        ("top/(2*half) - 1 m/s", "m s-1", 1 / np.log(4) - 1, False, None),
-        ("sqrt(abs(shut - half)/(20 ms))", "1", np.sqrt(50 * (np.log(2) - 0.5)), False, 0.0),
-        ("top/(shut - 0.5 s)", "m s-1", np.nan, False, None),
-        ("2*(shut - half)**2 + shut**2", "s2", 2 * (0.5 - np.log(2)) ** 2 + 0.25, False, 0.0),
-        ("sin(half/(1 s))**2", "1", np.sin(np.log(2)) ** 2, False, 0.0),
-        ("half - abs(top)*(1 s)/(1 m)", "s", np.log(2) - 1, False, None),
+        ("shut - half", "s", 0.5 - np.log(2), False, ANY),
+        ("2.2 s - shut", "s", 1.7, False, (-np.inf, 2.2)),
+        ("top/(2 + exp(-half/(1 s)))", "m", 1 / 2.5, False, ANY),
+        ("3 s + max(shut, 1 s)/(1 + abs(top)/(1 m))", "s", 3.5, False, (3.0, np.inf)),
+        ("max(shut, half)", "s", np.log(2), True, POSITIVE),
+        ("min(half, never)", "s", np.log(2), True, POSITIVE),  # of those that exist
+        ("shut + never", "s", np.nan, False, POSITIVE),
+        ("top/(2*half) - 1 m/s", "m s-1", 1 / np.log(4) - 1, False, ANY),
+        ("sqrt(abs(shut - half)/(20 ms))", "1", np.sqrt(50 * (np.log(2) - 0.5)), False, POSITIVE),
+        ("top/(shut - 0.5 s)", "m s-1", np.nan, False, ANY),
+        ("2*(shut - half)**2 + shut**2", "s2", 2 * (0.5 - np.log(2)) ** 2 + 0.25, False, POSITIVE),
+        ("sin(half/(1 s))**2", "1", np.sin(np.log(2)) ** 2, False, (0, 1)),
+        ("half - abs(top)*(1 s)/(1 m)", "s", np.log(2) - 1, False, ANY),
     ],
 )
-def test_arithmetic_of_quantities(text, unit, exact, is_time, least):
+def test_arithmetic_of_quantities(text, unit, exact, is_time, limits):
     """Units are derived; what is not finite, and what lacks a part, does not exist."""
     names = {"q": text, "half": {"crossing": "x", "level": 0.5}, "shut": {"event": "closes"},
              "never": {"crossing": "x", "level": 9}, "top": {"largest": "x"}}  # fmt: skip
@@ -83,7 +89,7 @@ def test_arithmetic_of_quantities(text, unit, exact, is_time, least):
     curves = Curves(TIME, {"P": (track, track)}, {}, {}, EVENTS, ELEMENTS, 0, TIME[1])
     (found, *_), problems = parse(names, [RESPONSE], ELEMENTS)
     assert not problems
-    assert (found.unit, found.is_time, found.least) == (unit, is_time, least)
+    assert (found.unit, found.is_time, found.limits) == (unit, is_time, limits)
     np.testing.assert_allclose(found.evaluate(curves), exact, atol=1e-9)
 
 

@@ -132,7 +132,7 @@ def scalars() -> Iterator:
         some = np.where(margin > 0, smooth, np.nan)
         late = np.where(kink < 0.9, kink, np.nan)
         found = [
-            fit_scalar(points, smooth), fit_scalar(points, kink, least=0.1),
+            fit_scalar(points, smooth), fit_scalar(points, kink, limits=(0.1, np.inf)),
             fit_scalar(points, some), fit_scalar(points, some, margin=margin),
             fit_scalar(points, late, latest=0.9), fit_scalar(points, 1.0 + 0.5 * x - x * z),
         ]  # fmt: skip

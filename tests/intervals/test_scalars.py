@@ -17,6 +17,7 @@ from deployable.intervals.scalars import (
     FittedOccurrence,
     Goal,
     Limit,
+    estimate_bounds,
     find_halving,
     find_influence,
     find_least_scales,
@@ -264,7 +265,10 @@ def test_a_number_that_can_not_be_negative_is_not():
     points = runs(1)
     values = np.maximum(points[:, 0], 0.0)
     assert fit_scalar(points, values).range().low < -0.01
-    assert fit_scalar(points, values, least=0.0).range().low == 0.0
+    assert fit_scalar(points, values, limits=(0.0, np.inf)).range().low == 0.0
+    surrogate = fit_scalar(points, -values, limits=(-np.inf, 0.0))
+    assert surrogate.range().high == 0.0
+    assert estimate_bounds(surrogate, points, -values)[1].error == 0.0
 
 
 def test_limits_where_something_does_not_happen():

@@ -65,7 +65,7 @@ def search(function, is_time=False, iterations=ITERATIONS):
     unit = np.concatenate([np.zeros((1, 2)), scan_points(free, 15)])
     for number in range(iterations + 1):
         values, margins = function(unit)
-        surrogate = fit_scalar(unit, values, 10.0 if is_time else None, None, margins)
+        surrogate = fit_scalar(unit, values, 10.0 if is_time else None, margin=margins)
         estimates = estimate_bounds(surrogate, unit, values)
         points = np.concatenate([estimate.points for estimate in estimates])
         if number == iterations or not len(points):

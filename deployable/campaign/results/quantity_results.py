@@ -158,6 +158,6 @@ class FittedRuns(NamedTuple):
         end, quantities = experiment.solver.duration, experiment.quantity_list
         columns = zip(quantities, self.numbers.T, self.margins.T, strict=True)
         return share_borders([
-            fit_scalar(self.points, column, end if q.is_time else None, q.least, margin)
+            fit_scalar(self.points, column, end if q.is_time else None, q.limits, margin)
             for q, column, margin in columns
         ])  # fmt: skip

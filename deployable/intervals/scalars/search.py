@@ -115,7 +115,7 @@ def _estimate(
     points = [peak] if excess > tolerance else []
     worth, width = _WORTH * tolerance, tolerance / TOLERANCE
     if is_wide:  # too many directions for candidates to come near all that the fit leaves open
-        gain = max(gain, excess + surrogate.fit.mean_error)
+        gain = max(gain, min(excess + surrogate.fit.mean_error, surrogate.room(sign, value)))
         points += _moves(surrogate, sign, argument, tolerance)
     if gain > worth and not is_predicted:
         points += [*_sections(surrogate.occurrence, argument)]
@@ -168,8 +168,7 @@ def _gains(
         values[is_open], sign * surrogate.fit.evaluate_border(candidates[is_open])
     )
     gains = values - sign * value + local_errors(surrogate.fit, candidates)
-    physical = surrogate.latest if sign > 0 else surrogate.least
-    gains = np.minimum(gains, sign * (physical - value))
+    gains = np.minimum(gains, surrogate.room(sign, value))
     order = np.argsort(-gains, kind="stable")
     return candidates[order], gains[order]
 

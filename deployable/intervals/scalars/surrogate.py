@@ -116,13 +116,14 @@ def _spread(free: tuple[bool, ...]) -> np.ndarray:
 class ScalarSurrogate:
     """Surrogate of a quantity (a number of each run, as the time of an event) over the box. Made by
     `fit_scalar`. fit: its value as a function of the normalized parameters, None: no run has one;
-    occurrence: in which part of the box it exists; least: physical lower bound; latest: of a time,
-    the end of the runs (s), which no value passes; both infinite where there is none."""
+    occurrence: in which part of the box it exists; least, most: physical bounds; latest: of a time,
+    the end of the runs (s), which no value passes; each infinite where there is none."""
 
     fit: Any  # Fit | None
     occurrence: Occurrence
     least: float = -np.inf
     latest: float = np.inf
+    most: float = np.inf
 
     @property
     def error(self) -> float:
@@ -166,9 +167,14 @@ class ScalarSurrogate:
         return isinstance(self.occurrence, FittedOccurrence) and self.occurrence.latest is not None
 
     def predict(self, points: np.ndarray) -> np.ndarray:
-        """Values (P) of the fit at `points` (P, k) in [-1, 1]^k, clipped to `least` and
-        `latest`; also where the quantity does not exist; `fit` must not be None."""
-        return np.clip(self.fit.evaluate(np.asarray(points, dtype=float)), self.least, self.latest)
+        """Values (P) of the fit at `points` (P, k) in [-1, 1]^k, clipped to what is
+        possible; also where the quantity does not exist; `fit` must not be None."""
+        values = self.fit.evaluate(np.asarray(points, dtype=float))
+        return np.clip(values, self.least, min(self.latest, self.most))
+
+    def room(self, sign: float, value: float) -> float:
+        """By how much a value may grow (sign 1) or fall (sign -1) up to what is possible."""
+        return sign * ((min(self.latest, self.most) if sign > 0 else self.least) - value)
 
     def evaluate(self, points: np.ndarray) -> np.ndarray:
         """Values (P) of the quantity at `points` (P, k) in [-1, 1]^k, NaN if absent."""
@@ -264,17 +270,17 @@ def fit_scalar(
     points: np.ndarray,
     values: np.ndarray,
     latest: float | None = None,
-    least: float | None = None,
+    limits: tuple[float, float] = (-np.inf, np.inf),
     margin: Any = None,
 ) -> ScalarSurrogate:
     """Fit the surrogate of a quantity to values (N) of runs at `points` (N, k) in [-1, 1]^k, NaN
     where the quantity does not exist in a run, as the time of an event that does not occur.
 
-    latest: of a time, when runs end (s), else None; least: physical lower bound, None without one;
-    margin (N): event margin, how far a run is from having the event, above 0 where it occurs, NaN
-    where not known. The border between runs with and without a value is the one that leaves least
-    volume undecided: by the runs alone, where the fit reaches `latest`, or where a fit to `margin`,
-    if known of all runs, vanishes."""
+    latest: of a time, when runs end (s), else None; limits: physical bounds; margin (N): event
+    margin, how far a run is from having the event, above 0 where it occurs, NaN where not known.
+    The border between runs with and without a value is the one that leaves least volume undecided:
+    by the runs alone, where the fit reaches `latest`, or where a fit to `margin`, if known of all
+    runs, vanishes."""
     points, values = np.asarray(points, dtype=float), np.asarray(values, dtype=float)
     happens = np.isfinite(values)
     fit: Any = choose_fit(points[happens], values[happens]) if happens.any() else None
@@ -285,9 +291,8 @@ def fit_scalar(
         edge_fit = root_fit(points[happens], values[happens], occurrence)
         if edge_fit is not None and edge_fit.mean_error < fit.mean_error:
             fit = edge_fit
-    return ScalarSurrogate(
-        fit, occurrence, -np.inf if least is None else least, np.inf if latest is None else latest
-    )
+    end = np.inf if latest is None else latest
+    return ScalarSurrogate(fit, occurrence, limits[0], end, limits[1])
 
 
 def share_borders(surrogates: Sequence[ScalarSurrogate]) -> list[ScalarSurrogate]:

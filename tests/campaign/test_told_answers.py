@@ -19,6 +19,7 @@ from deployable.campaign.config.check import load_config
 from deployable.campaign.report.page import render
 from deployable.campaign.report.read import from_results
 from deployable.campaign.results.facts import (
+    changes as has_clear_effect,
     decisive,
     happens_only,
     mark_constant,
@@ -86,6 +87,11 @@ def test_an_interval_has_the_digits_that_its_error_leaves(changes, text):
 )
 def test_a_share_has_the_digits_that_what_is_open_leaves(part, open_, text):
     assert share(part, open_) == text
+
+
+def test_a_halved_tolerance_that_lowers_the_share_has_a_clear_effect():
+    assert has_clear_effect({"gain": -0.05, "gain_uncertainty": 0.01})
+    assert not has_clear_effect({"gain": -0.005, "gain_uncertainty": 0.01})
 
 
 def test_what_fails_only_where_it_does_not_happen_is_told_apart():

@@ -333,16 +333,16 @@ def has_effect(influence: Mapping, row: Mapping, key: str) -> bool:
     return bool(fitted_width(row) - numbers[0] > numbers[1])
 
 
-def gains(half: Mapping[str, float]) -> bool:
-    """Return whether an interval that is half as wide raises the share of the box that meets all
-    requirements by more than the error of that. half: of a parameter, in `together.halved`."""
-    return half["gain"] > half["gain_uncertainty"]
+def changes(half: Mapping[str, float]) -> bool:
+    """Return whether an interval that is half as wide changes the share of the box that meets all
+    requirements, either way, by more than the error. half: of a parameter, in `together.halved`."""
+    return abs(half["gain"]) > half["gain_uncertainty"]
 
 
 def best_halvings(halved: Mapping[str, Mapping]) -> list[str]:
     """Name the parameters whose halved interval raises most the share of the box that meets all
     requirements, as far as the errors tell; [] if none does. halved: of `together`."""
-    effective = {name: half for name, half in halved.items() if gains(half)}
+    effective = {name: x for name, x in halved.items() if x["gain"] > x["gain_uncertainty"]}
     least = max((x["gain"] - x["gain_uncertainty"] for x in effective.values()), default=0.0)
     return [name for name, x in effective.items() if x["gain"] + x["gain_uncertainty"] >= least]
 

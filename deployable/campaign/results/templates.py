@@ -47,7 +47,7 @@ def environment(units: Iterable[str] = (), html: bool = False) -> Any:
         numbers: ("number", "quantity", "percent", "share", "interval", "place", "spread", "pretty",
                   "position", "with_error", "with_unit", "code", "ends"),
         facts: ("decisive", "moments", "happens_only", "has_effect", "fitted_width", "scarcest",
-                "is_tight", "missing_only", "largest", "gains", "best_halvings",
+                "is_tight", "missing_only", "largest", "changes", "best_halvings",
                 "worst_case", "worst_limit", "roomier", "contact_bound"),
     }  # fmt: skip
     for module, names in filters.items():

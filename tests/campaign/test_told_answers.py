@@ -20,6 +20,8 @@ from deployable.campaign.report.page import render
 from deployable.campaign.report.read import from_results
 from deployable.campaign.results.facts import (
     changes as has_clear_effect,
+)
+from deployable.campaign.results.facts import (
     decisive,
     happens_only,
     mark_constant,

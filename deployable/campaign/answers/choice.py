@@ -56,48 +56,22 @@ def answer(
     model.add(design)
     specs, base = list_limits(requirements, list(experiment.quantities)), base_plan.experiment
     specs = _with_events(model, specs)
-    best, safest, safe_ranges, trials = _search(model, base, choose, specs, verify.max_iterations)
-    judge, error = model, _error(model, choose, None if best.is_allowed else specs)
-    nominal = base.parameters(dict(zip(base.intervals, base.nominal, strict=True)))
-    start = np.array([nominal[name] for name in choose.parameters])
-    for values, reach in ((None, _REACH), (None, _REACH / 4), (start, _REACH)):
-        is_tight = values is None and _is_tight(judge, best, trials, specs)
-        is_open = (not best.is_safe and abs(best.safety) < 1) or (
-            best.is_allowed and error > _LARGE * _spread([best, *trials])
-        )
-        if not (is_tight or (is_open and reach == _REACH)):
-            continue
-        if not verify.max_iterations or model.account.allowance < len(design):
-            break
-        values = best.values if values is None else values
-        local, candidate = _zoom(model, base, choose, specs, values, reach)
-        is_better = (candidate.is_safe, candidate.safety) > (best.is_safe, best.safety)
-        if is_tight and judge is not model:
-            gain = choose.goals[0][0] * (best.goals[0] - candidate.goals[0])
-            errors = [_error(part, choose, specs) for part in (local, judge)]
-            is_better = candidate.is_safe and gain > 0 and 2 * errors[0] < errors[1]
-        if is_better or (judge is model and not is_tight):
-            judge, best, safest = local, candidate, None
-            error = _error(judge, choose, None if best.is_allowed else specs)
-    if judge is model and best.is_allowed and best.safety < _TIGHT:
-        roomy = _search(model, base, choose, specs, verify.max_iterations, _ROOM)
-        if roomy[0].is_allowed and roomy[0].safety >= _TIGHT:
-            best, safest, safe_ranges, trials = roomy
+    judge, best, safest, safe_ranges, trials, error = _search_parts(
+        model, base, choose, specs, verify.max_iterations, len(design)
+    )
     lower, upper = _subbox(model, base, choose, best.values)
     points = model.failed_points
     has_failed = bool(((points >= lower - 1e-9) & (points <= upper + 1e-9)).all(axis=1).any())
     decides = find_deciding_parameters(trials, error)
     rows = []
     for i, (name, (low, high)) in enumerate(choose.parameters.items()):
-        row = {"name": name, "units": experiment.scene_type.parameters[name].unit,
-               "lower": low, "upper": high, "value": float(best.values[i]), "decides": decides[i],
-               "safe": None, "safest": None}  # fmt: skip
+        value, units = float(best.values[i]), experiment.scene_type.parameters[name].unit
+        row = {"name": name, "units": units, "lower": low, "upper": high, "value": value,
+               "decides": decides[i], "safe": None, "safest": None}  # fmt: skip
         if safest is not None:
-            value = float(safest.values[i])
-            row |= {
-                "safe": list(safe_ranges[i]),
-                "safest": None if value == row["value"] else value,
-            }
+            safest_value = float(safest.values[i])
+            row["safe"] = list(safe_ranges[i])
+            row["safest"] = None if safest_value == value else safest_value
         rows.append(row)
     choice: dict[str, Any] = {
         "parameters": rows,
@@ -125,6 +99,43 @@ def answer(
         is_event = row.get("kind") == "happens"
         row["fit_error"] = row["error"] if is_event else number(fit_errors[row["quantity"]].error)
     write_result(folder.choice, json.dumps(choice, indent=1, allow_nan=False) + "\n")
+
+
+def _search_parts(
+    model: ModelEvaluator, base: Experiment, choose: Choose, specs: list[LimitSpec],
+    iterations: int, count: int,
+) -> tuple[ModelEvaluator, Any, Any, list, list, float]:  # fmt: skip
+    """Search all choices, then parts of them about the best and about the nominal values, where
+    errors decide and `count` runs are left. Returns the evaluator that judges the best choice, what
+    `_search` does, and the error (`_error`)."""
+    best, safest, safe_ranges, trials = _search(model, base, choose, specs, iterations)
+    judge, error = model, _error(model, choose, None if best.is_allowed else specs)
+    nominal = base.parameters(dict(zip(base.intervals, base.nominal, strict=True)))
+    start = np.array([nominal[name] for name in choose.parameters])
+    for values, reach in ((None, _REACH), (None, _REACH / 4), (start, _REACH)):
+        is_tight = values is None and _is_tight(judge, best, trials, specs)
+        is_open = (not best.is_safe and abs(best.safety) < 1) or (
+            best.is_allowed and error > _LARGE * _spread([best, *trials])
+        )
+        if not (is_tight or (is_open and reach == _REACH)):
+            continue
+        if not iterations or model.account.allowance < count:
+            break
+        values = best.values if values is None else values
+        local, candidate = _zoom(model, base, choose, specs, values, reach)
+        is_better = (candidate.is_safe, candidate.safety) > (best.is_safe, best.safety)
+        if is_tight and judge is not model:
+            gain = choose.goals[0][0] * (best.goals[0] - candidate.goals[0])
+            errors = [_error(part, choose, specs) for part in (local, judge)]
+            is_better = candidate.is_safe and gain > 0 and 2 * errors[0] < errors[1]
+        if is_better or (judge is model and not is_tight):
+            judge, best, safest = local, candidate, None
+            error = _error(judge, choose, None if best.is_allowed else specs)
+    if judge is model and best.is_allowed and best.safety < _TIGHT:
+        roomy = _search(model, base, choose, specs, iterations, _ROOM)
+        if roomy[0].is_allowed and roomy[0].safety >= _TIGHT:
+            best, safest, safe_ranges, trials = roomy
+    return judge, best, safest, safe_ranges, trials, error
 
 
 def _with_events(model: ModelEvaluator, specs: Sequence[LimitSpec]) -> list[LimitSpec]:

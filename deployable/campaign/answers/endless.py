@@ -15,10 +15,8 @@ _REACH, _STEP = 0.25, 0.05  # farthest run without the event; first runs beside 
 _DISTANCES = np.array([4.0, 64.0, 1024.0])  # from the place, in distances of the runs about it
 _STEADY, _GROWTH = 0.75, 0.01  # of the growth before, and of the width: growth without an end
 _STEEP = 50.0  # widths in one unit of distance
-_FLAT, _MOST_MOVES = (
-    0.002,
-    8,
-)  # of the width: difference of runs that is none; moves to a larger time
+_FLAT = 0.002  # of the width: difference of runs that is none
+_MOST_MOVES = 8  # to a larger time
 
 
 def grows_without_end(model: Any, q: int, place: np.ndarray, width: float) -> bool | None:
@@ -106,10 +104,8 @@ def _enclose_peak(model: Any, q: int, place: np.ndarray, width: float) -> list:
         if np.isnan(heights).any():
             return _enclose_border(model, q, points[1], middles[np.isnan(heights).argmax()])
         growth = heights.max() - values[1]
-        points, values = (
-            np.insert(points, [1, 2], middles, axis=0),
-            np.insert(values, [1, 2], heights),
-        )
+        points = np.insert(points, [1, 2], middles, axis=0)
+        values = np.insert(values, [1, 2], heights)
         row = int(values[1:-1].argmax()) + 1
         points, values = points[row - 1 : row + 2], values[row - 1 : row + 2]
         if max(growth, values[1] - max(values[0], values[2])) <= _FLAT * width:

@@ -79,18 +79,24 @@ def requirement_warnings(campaign: Any) -> Iterator[str]:
             )
         elif quantity.unit == "rad":
             yield from _turn_texts(key, limit, experiment)
-        elif sign := _sign(quantity, experiment.nominal_scene):
-            counterpart = ("at_least", "at_most")[sign > 0]
-            is_idle = end != counterpart and sign * limit < 0
-            is_sized = any(x[1] == counterpart and x[2] is quantity for x in limits)
-            if is_idle and not is_sized:
-                word, peak = ("positive", "negative")[sign > 0], ("smallest", "largest")[sign > 0]
-                place = f", of its {peak} value" * (quantity.kind in ENDS and quantity.kind != peak)
-                yield (
-                    f"{key}: {limit:g}, but {quantity.name} is never {word} as the joint is "
-                    "stopped, so that no run can break it: did you mean "
-                    f"{counterpart}: {-limit:g}{place}?"
-                )
+        else:
+            ends = {row[1] for row in limits if row[2] is quantity}
+            yield from _sign_texts(key, limit, ends, quantity, experiment.nominal_scene)
+
+
+def _sign_texts(key: str, limit: float, ends: set[str], quantity: Any, scene: Any) -> Iterator[str]:
+    """A limit with the wrong sign on what has one, unless its counterpart is stated. ends: of all
+    limits of the quantity."""
+    sign = _sign(quantity, scene)
+    counterpart = ("at_least", "at_most")[sign > 0]
+    if sign * limit >= 0 or counterpart in ends:
+        return
+    word, peak = ("positive", "negative")[sign > 0], ("smallest", "largest")[sign > 0]
+    place = f", of its {peak} value" * (quantity.kind in ENDS and quantity.kind != peak)
+    yield (
+        f"{key}: {limit:g}, but {quantity.name} is never {word} as the joint is stopped, so that "
+        f"no run can break it: did you mean {counterpart}: {-limit:g}{place}?"
+    )
 
 
 def _is_instant(quantity: Any) -> bool:
